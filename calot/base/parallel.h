@@ -1,0 +1,20 @@
+// Parallel loops whose result never depends on the number of threads: fixed blocks, reduced in fixed order.
+#pragma once
+#include <cstddef>
+#include <functional>
+
+namespace calot {
+
+/// Threads used by every parallel loop of the process, at least 1. Default: the machine's cores, or CALOT_THREADS.
+void set_thread_count(int count);
+int thread_count();
+
+/// Calls body(begin, end, block) for the fixed blocks [0, block), [block, 2·block) … of [0, count), on all threads, in
+/// any order. Blocks must be independent. The first exception is rethrown here.
+void parallel_blocks(std::size_t count, std::size_t block,
+                     const std::function<void(std::size_t, std::size_t, std::size_t)>& body);
+
+/// Runs body(0) … body(count − 1), which must be independent, on all threads.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
+
+}  // namespace calot
