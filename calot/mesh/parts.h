@@ -9,8 +9,8 @@ namespace calot {
 
 /// The tets of a mesh grouped by shared faces. Parts are numbered by their first tet.
 struct Parts {
-  std::vector<std::uint32_t> of_tet;        ///< m, part of each tet
-  std::vector<std::vector<TetId>> tets;     ///< of each part, ascending
+  std::vector<std::uint32_t> of_tet;            ///< m, part of each tet
+  std::vector<std::vector<TetId>> tets;         ///< of each part, ascending
   std::vector<std::vector<VertexId>> vertices;  ///< of each part, ascending; a hinge vertex is in several
   [[nodiscard]] std::size_t count() const { return tets.size(); }
 };
@@ -22,8 +22,8 @@ std::vector<std::uint32_t> vertex_connected_groups(const TetMesh& mesh);
 
 /// Vertices through which a part hangs on other parts without a shared face.
 struct Hinge {
-  std::uint32_t part, other;
-  std::vector<VertexId> vertices;
+  std::uint32_t part, other;       ///< part < other; each pair once
+  std::vector<VertexId> vertices;  ///< ascending
 };
 std::vector<Hinge> hinges(const TetMesh& mesh, const Parts& parts);
 

@@ -8,9 +8,9 @@ namespace calot {
 
 /// A vertex that an edit adds: a copy of, or a point between, two vertices of the mesh before the edit.
 struct AddedVertex {
-  Vec3 position;         ///< rest position [m]
-  VertexId from, to;     ///< the old vertices it lies between (equal: a copy, as at a split)
-  double weight = 0;     ///< 0 at `from`, 1 at `to`; interpolates fixed flags, velocities, texture …
+  Vec3 position;      ///< rest position [m]
+  VertexId from, to;  ///< the old vertices it lies between (equal: a copy, as at a split)
+  double weight = 0;  ///< 0 at `from`, 1 at `to`; interpolates fixed flags, velocities, texture …
 };
 
 /// A tet that an edit adds. Vertices below the old vertex count are old vertices; n + k is the k-th added vertex.
@@ -21,7 +21,7 @@ struct AddedTet {
 
 /// What to change, in numbers of the mesh before the edit.
 struct TopologyEdit {
-  std::vector<TetId> removed;        ///< ascending, unique
+  std::vector<TetId> removed;  ///< ascending, unique
   std::vector<AddedVertex> vertices;
   std::vector<AddedTet> tets;
   [[nodiscard]] bool empty() const { return removed.empty() && vertices.empty() && tets.empty(); }
@@ -29,18 +29,20 @@ struct TopologyEdit {
 
 /// What an edit did: how old numbers map to new ones. Survivors keep their order; added ones follow them.
 struct Remap {
-  std::vector<VertexId> vertex_to_new;  ///< old n; none() where the vertex lost its last tet
-  std::vector<TetId> tet_to_new;        ///< old m; none() where the tet was removed
-  std::vector<VertexId> vertex_to_old;  ///< new n; none() for added vertices
-  std::vector<TetId> tet_to_old;        ///< new m; for an added tet none()
-  std::vector<VertexId> orphaned;       ///< old ids of vertices that lost their last tet, ascending
-  std::vector<VertexId> touched;        ///< old ids of surviving vertices of removed or added tets, ascending
-  std::vector<VertexId> added_vertices; ///< new ids
-  std::vector<TetId> added_tets;        ///< new ids
+  std::vector<VertexId> vertex_to_new;   ///< old n; none() where the vertex lost its last tet
+  std::vector<TetId> tet_to_new;         ///< old m; none() where the tet was removed
+  std::vector<VertexId> vertex_to_old;   ///< new n; none() for added vertices
+  std::vector<TetId> tet_to_old;         ///< new m; for an added tet none()
+  std::vector<VertexId> orphaned;        ///< old ids of vertices that lost their last tet, ascending
+  std::vector<VertexId> touched;         ///< old ids of surviving vertices of removed or added tets, ascending
+  std::vector<VertexId> added_vertices;  ///< new ids
+  std::vector<TetId> added_tets;         ///< new ids
 };
 
 /// Applies an edit: removes tets, adds vertices and tets, drops vertices that no tet uses any more, and renumbers.
-/// Vertices that no tet used before the edit are dropped as orphans too. Throws InputError for ids out of range.
+/// Vertices that no tet used before the edit are dropped as orphans too. Throws InputError,
+/// and leaves the mesh as it was, for ids out of range, `removed` not ascending, an added tet whose parent is not
+/// removed, and an added vertex that no added tet uses.
 Remap apply(TetMesh& mesh, const TopologyEdit& edit);
 
 /// The vertices that an edit would orphan and touch, without applying it (old ids, ascending).
