@@ -1,0 +1,45 @@
+// `calot`: the command line. Exit codes: 0 done, 1 could not, 2 the input or the call is wrong.
+#include "app/commands.h"
+#include "app/terminal.h"
+
+namespace {
+
+void add_commands(CLI::App& app) {
+  calot::add_phantom_command(app);
+  calot::add_mesh_command(app);
+  calot::add_precompute_command(app);
+  calot::add_cut_command(app);
+  calot::add_solve_command(app);
+  calot::add_compare_command(app);
+  calot::add_convert_command(app);
+  calot::add_bench_command(app);
+}
+
+/// The command that was being called, for "try calot cut --help".
+std::string called_command(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) return "calot " + command->get_name();
+  return "calot";
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Exact, real-time cutting of precomputed soft tissue.", "calot");
+  app.set_version_flag("--version", "calot " CALOT_VERSION);
+  app.footer("`calot COMMAND --help` explains a command, with an example.");
+  app.require_subcommand(1);
+  try {
+    calot::handle_signals();
+    add_commands(app);
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) return calot::report_usage("standard output can't be written");
+  } catch (const CLI::Success& success) {
+    return app.exit(success);  // --help, --version
+  } catch (const CLI::ParseError& wrong) {
+    return calot::report_usage(std::string(wrong.what()) + "; try " + called_command(app) + " --help");
+  } catch (const std::exception& error) {
+    return calot::report_error(error);
+  }
+  return 0;
+}
