@@ -10,6 +10,7 @@
 namespace calot {
 
 using Mat3 = Eigen::Matrix3d;
+using Vec3 = Eigen::Vector3d;
 
 /// Block rows in compressed form; both triangles are stored, columns ascend within a row.
 struct BlockMatrix {

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calot/fem/block_matrix.h"
@@ -82,6 +83,7 @@ class Model {
 
  private:
   [[nodiscard]] BlockMatrix assemble(double mass_factor, double stiffness_factor) const;
+  void sum_rows(StiffnessChange& change, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
 
   TetMesh mesh_;
   std::map<std::int32_t, Material> materials_;
