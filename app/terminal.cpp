@@ -1,17 +1,16 @@
 #include "app/terminal.h"
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <new>
 
 #include "calot/base/error.h"
+#include "calot/base/memory.h"
 
 namespace calot {
 namespace {
@@ -81,17 +80,8 @@ void print_line(const std::string& prefix, std::string text) {
 
 /// What the process held when memory ran out, for a message with numbers in it.
 std::string memory_text() {
-  rusage usage{};
-  ::getrusage(RUSAGE_SELF, &usage);
-  std::string text = "not enough memory: the process held " + bytes_text(1024.0 * static_cast<double>(usage.ru_maxrss));
-  std::ifstream info("/proc/meminfo");
-  for (std::string key, unit; info >> key;) {
-    double kilobytes = 0;
-    info >> kilobytes;
-    std::getline(info, unit);
-    if (key == "MemAvailable:") text += " and the machine has " + bytes_text(1024 * kilobytes) + " left";
-  }
-  return text;
+  return "not enough memory: the process held " + readable_bytes(peak_memory()) + " and " +
+         readable_bytes(available_memory()) + " are left";
 }
 
 }  // namespace
@@ -141,13 +131,6 @@ std::string number_text(double value, int digits) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.*g", digits, value);
   return text.data();
-}
-
-std::string bytes_text(double bytes) {
-  constexpr std::array<const char*, 5> units = {"bytes", "kB", "MB", "GB", "TB"};
-  std::size_t unit = 0;
-  for (; bytes >= 1000 && unit + 1 < units.size(); ++unit) bytes /= 1000;
-  return number_text(bytes, 3) + " " + units[unit];
 }
 
 std::string seconds_text(double seconds) {

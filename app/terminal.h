@@ -26,9 +26,8 @@ int report_error(const std::exception& error);
 /// The same line for a wrong call; returns 2.
 int report_usage(const std::string& message);
 
-/// A number with `digits` significant digits; "409 MB"; "3.2 s", "2 min 5 s".
+/// A number with `digits` significant digits; "3.2 s", "2 min 5 s".
 std::string number_text(double value, int digits = 4);
-std::string bytes_text(double bytes);
 std::string seconds_text(double seconds);
 
 }  // namespace calot

@@ -32,7 +32,7 @@ struct CutOptions {
 struct CutReport {
   std::size_t crossed = 0;         ///< tets with vertices strictly on both sides, inside the blade
   std::size_t under_the_plane = 0; ///< lower-side tets removed because a face in the plane joined the parts
-  std::size_t cleaned = 0;         ///< hinged or isolated tets removed on request
+  std::size_t cleaned = 0;         ///< hanging tets removed on request
   std::vector<TetId> hanging;      ///< tets left hanging by a vertex or an edge, or alone (kept unless `clean`)
   std::vector<std::string> notes;  ///< sentences for the summary and the log
 };
