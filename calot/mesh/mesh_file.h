@@ -11,19 +11,30 @@ namespace calot {
 
 /// Coordinates and numbers exactly as a file gives them (its own unit), plus what was noticed on the way.
 struct MeshFile {
-  TetMesh mesh;                        ///< positions in the file's unit times `scale`
-  std::vector<std::string> notes;      ///< e.g. "12 triangles ignored"; for the log
+  TetMesh mesh;                    ///< positions in the file's unit times `scale`
+  std::vector<std::string> notes;  ///< e.g. "12 triangles ignored"; for the log
 };
 
 /// Reads a tetrahedral mesh, format by ending (.msh, .vtu, .vtk), and checks it with `validate`.
 /// @param scale  metres per file unit, e.g. 1e-3 for millimetres; > 0
 /// Region numbers come from Gmsh's physical groups (entity numbers where there are none) or from a cell array named
 /// "region", "gmsh:physical", "medit:ref", "label" or "material" (any case); names from $PhysicalNames or a field array
-/// "region_names". Inverted tets are an error unless all are inverted (some tools wind the other way; then all are turned).
-/// Throws InputError naming file and line (or byte offset, or XML element) for anything wrong.
+/// "region_names". Inverted tets are an error unless all are inverted (some tools wind the other way; then all are
+/// turned). Throws InputError naming file and line (or byte offset, or XML element) for anything wrong.
 MeshFile read_mesh(const std::filesystem::path& path, double scale = 1.0);
 
-enum class MeshFormat { msh22, msh22_binary, msh41, msh41_binary, vtu_ascii, vtu_base64, vtu_appended, vtu_zlib, vtk_ascii, vtk_binary };
+enum class MeshFormat {
+  msh22,
+  msh22_binary,
+  msh41,
+  msh41_binary,
+  vtu_ascii,
+  vtu_base64,
+  vtu_appended,
+  vtu_zlib,
+  vtk_ascii,
+  vtk_binary
+};
 enum class SurfaceFormat { stl_ascii, stl_binary, obj, ply_ascii, ply_binary };
 
 /// A named array on the vertices, for result files: `components` values a vertex.
@@ -37,7 +48,8 @@ struct VertexArray {
 /// Arrays go into .vtu and .vtk as point data, into .msh as $NodeData. The two-argument form chooses the format by the
 /// ending: .msh → msh22 (ascii), .vtu → vtu_zlib, .vtk → vtk_binary.
 void write_mesh(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<VertexArray>& arrays = {});
-void write_mesh(const std::filesystem::path& path, const TetMesh& mesh, MeshFormat format, const std::vector<VertexArray>& arrays = {});
+void write_mesh(const std::filesystem::path& path, const TetMesh& mesh, MeshFormat format,
+                const std::vector<VertexArray>& arrays = {});
 
 Surface read_surface(const std::filesystem::path& path, double scale = 1.0);
 /// By ending: .stl → stl_binary, .obj → obj, .ply → ply_binary.

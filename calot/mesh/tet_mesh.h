@@ -16,9 +16,9 @@ using Tet = std::array<VertexId, 4>;
 
 /// A tetrahedral mesh with a region number on every tetrahedron. A plain value; copy it freely.
 struct TetMesh {
-  std::vector<Vec3> positions;                      ///< n, rest positions [m]
-  std::vector<Tet> tets;                            ///< m, positively oriented: det(b−a, c−a, d−a) > 0
-  std::vector<std::int32_t> regions;                ///< m, region of each tet
+  std::vector<Vec3> positions;                       ///< n, rest positions [m]
+  std::vector<Tet> tets;                             ///< m, positively oriented: det(b−a, c−a, d−a) > 0
+  std::vector<std::int32_t> regions;                 ///< m, region of each tet
   std::map<std::int32_t, std::string> region_names;  ///< names of regions, where known
 
   [[nodiscard]] std::size_t vertex_count() const { return positions.size(); }
