@@ -13,8 +13,29 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(HDF5 1.10 REQUIRED COMPONENTS C)
 
 # CHOLMOD and OpenBLAS ship no usable CMake files in Debian 12.
-find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
-find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
-find_path(OPENBLAS_INCLUDE_DIR openblas_config.h PATH_SUFFIXES x86_64-linux-gnu/openblas-pthread openblas-pthread openblas REQUIRED
-  PATHS /usr/include /usr/include/${CMAKE_LIBRARY_ARCHITECTURE}/openblas-pthread)
-find_library(OPENBLAS_LIBRARY openblas REQUIRED PATH_SUFFIXES openblas-pthread)
+function(calot_find_library target header library)
+  cmake_parse_arguments(F "" "" "SUFFIXES" ${ARGN})
+  find_path(${target}_INCLUDE_DIR ${header} REQUIRED PATH_SUFFIXES ${F_SUFFIXES}
+    PATHS /usr/include /usr/include/${CMAKE_LIBRARY_ARCHITECTURE})
+  find_library(${target}_LIBRARY ${library} REQUIRED PATH_SUFFIXES ${F_SUFFIXES})
+  mark_as_advanced(${target}_INCLUDE_DIR ${target}_LIBRARY)
+  if(NOT TARGET ${target})
+    add_library(${target} UNKNOWN IMPORTED GLOBAL)
+    set_target_properties(${target} PROPERTIES IMPORTED_LOCATION ${${target}_LIBRARY})
+    target_include_directories(${target} SYSTEM INTERFACE ${${target}_INCLUDE_DIR})
+  endif()
+endfunction()
+calot_find_library(calot_cholmod cholmod.h cholmod SUFFIXES suitesparse)
+calot_find_library(calot_openblas openblas_config.h openblas SUFFIXES openblas-pthread openblas)
+
+# CGAL meshes label maps; header-only.
+find_package(CGAL 5.5 REQUIRED)
+# ITK reads medical images. Its package file fills variables (and overwrites HDF5's), so it is kept in a function and the
+# parts we use become one target of ours. Debian's file also looks for the programs of libgdcm-tools and libvtkgdcm-tools.
+function(calot_find_itk)
+  find_package(ITK 5.2 REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIONIFTI)
+  add_library(calot_itk INTERFACE IMPORTED GLOBAL)
+  target_include_directories(calot_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
+  target_link_libraries(calot_itk INTERFACE ${ITK_LIBRARIES})
+endfunction()
+calot_find_itk()

@@ -23,7 +23,10 @@ int default_threads() {
 std::mutex arena_mutex;
 std::unique_ptr<tbb::task_arena> arena;
 
+thread_local std::unique_ptr<tbb::task_arena> background_arena;
+
 tbb::task_arena& current_arena() {
+  if (background_arena) return *background_arena;
   const std::lock_guard lock(arena_mutex);
   if (!arena) arena = std::make_unique<tbb::task_arena>(default_threads());
   return *arena;
@@ -51,5 +54,8 @@ void parallel_blocks(std::size_t count, std::size_t block,
   const std::size_t blocks = (count + block - 1) / block;
   parallel_for(blocks, [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block), b); });
 }
+
+BackgroundLane::BackgroundLane() { background_arena = std::make_unique<tbb::task_arena>(thread_count()); }
+BackgroundLane::~BackgroundLane() { background_arena.reset(); }
 
 }  // namespace calot

@@ -17,4 +17,14 @@ void parallel_blocks(std::size_t count, std::size_t block,
 /// Runs body(0) … body(count − 1), which must be independent, on all threads.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// While one lives, the parallel loops of this thread run on threads of their own, so that background work never holds up
+/// the loops of others.
+class BackgroundLane {
+ public:
+  BackgroundLane();
+  ~BackgroundLane();
+  BackgroundLane(const BackgroundLane&) = delete;
+  BackgroundLane& operator=(const BackgroundLane&) = delete;
+};
+
 }  // namespace calot

@@ -101,8 +101,4 @@ Compliance precompute(const Model& model, const PrecomputeOptions& options = {},
 /// Peak bytes that `precompute` will need beyond what the process holds now (an upper estimate for sparse).
 std::uint64_t precompute_memory(const Model& model, const PrecomputeOptions& options);
 
-/// Parts and hinges of a static model that nothing holds: one sentence naming the part and the free motion, or empty.
-/// Decided from face-connected parts, the vertices they share and their fixed vertices, never from a factorisation.
-std::string unsupported_part(const TetMesh& mesh, const std::vector<std::uint8_t>& fixed);
-
 }  // namespace calot

@@ -6,6 +6,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
+#include "calot/fem/support.h"
 #include "calot/mesh/quality.h"
 
 namespace calot {
@@ -225,6 +226,7 @@ StiffnessChange Model::apply(const TopologyEdit& edit) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   sum_rows(change, pairs);
+  if (dynamics_.is_static()) change.unsupported = unsupported_part(mesh_, fixed_);
   return change;
 }
 

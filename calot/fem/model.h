@@ -46,6 +46,7 @@ struct StiffnessChange {
     Mat3 block;                   ///< Â' there, summed from the live tets in the order of a fresh assembly
   };
   std::vector<Entry> entries;     ///< every block of Â' between two touched vertices of a removed tet
+  std::string unsupported;        ///< static models: the part that nothing holds now (`unsupported_part`); else empty
 };
 
 /// Constant materials and supports over one mesh. A value; copy it to try something.

@@ -1,0 +1,92 @@
+#include "calot/compliance/blas.h"
+
+#include <cblas.h>
+
+#include <mutex>
+#include <vector>
+
+extern "C" {
+char* openblas_get_corename(void);
+char* openblas_get_config(void);
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
+void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
+void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* piv, int* rank, const double* tol, double* work,
+             int* info, std::size_t);
+void dtrtri_(const char* uplo, const char* diag, const int* n, double* a, const int* lda, int* info, std::size_t, std::size_t);
+void dlauum_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
+}
+
+
+namespace calot::blas {
+namespace {
+int as_int(std::size_t n) { return static_cast<int>(n); }
+CBLAS_TRANSPOSE transpose(char op) { return op == 'T' ? CblasTrans : CblasNoTrans; }
+}  // namespace
+
+void use_one_thread() {
+  static std::once_flag once;
+  std::call_once(once, [] { openblas_set_num_threads(1); });
+}
+
+std::string kernel_name() {
+  std::string config = openblas_get_config();
+  return std::string(openblas_get_corename()) + " (" + config.substr(0, config.find(' ', 9)) + ")";
+}
+
+void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda,
+          const double* b, std::size_t ldb, double beta, double* c, std::size_t ldc) {
+  if (m == 0 || n == 0) return;
+  cblas_dgemm(CblasColMajor, transpose(op_a), transpose(op_b), as_int(m), as_int(n), as_int(k), alpha, a, as_int(lda), b,
+              as_int(ldb), beta, c, as_int(ldc));
+}
+
+void syrk(char op, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda, double beta, double* c,
+          std::size_t ldc) {
+  if (n == 0) return;
+  cblas_dsyrk(CblasColMajor, CblasLower, transpose(op), as_int(n), as_int(k), alpha, a, as_int(lda), beta, c, as_int(ldc));
+}
+
+void trsm(char side, char op, std::size_t m, std::size_t n, double alpha, const double* l, std::size_t ldl, double* b,
+          std::size_t ldb) {
+  if (m == 0 || n == 0) return;
+  cblas_dtrsm(CblasColMajor, side == 'L' ? CblasLeft : CblasRight, CblasLower, transpose(op), CblasNonUnit, as_int(m),
+              as_int(n), alpha, l, as_int(ldl), b, as_int(ldb));
+}
+
+int potrf(std::size_t n, double* a, std::size_t lda) {
+  const int size = as_int(n), ld = as_int(lda);
+  int info = 0;
+  if (n > 0) dpotrf_("L", &size, a, &ld, &info, 1);
+  return info;
+}
+
+std::size_t pstrf(std::size_t n, double* a, std::size_t lda, int* pivot, double tolerance) {
+  if (n == 0) return 0;
+  const int size = as_int(n), ld = as_int(lda);
+  int info = 0, rank = 0;
+  std::vector<double> work(2 * n);
+  dpstrf_("L", &size, a, &ld, pivot, &rank, &tolerance, work.data(), &info, 1);
+  for (std::size_t j = 0; j < n; ++j) --pivot[j];
+  return static_cast<std::size_t>(rank);
+}
+
+void trtri(std::size_t n, double* l, std::size_t ldl) {
+  const int size = as_int(n), ld = as_int(ldl);
+  int info = 0;
+  if (n > 0) dtrtri_("L", "N", &size, l, &ld, &info, 1, 1);
+}
+
+void lauum(std::size_t n, double* l, std::size_t ldl) {
+  const int size = as_int(n), ld = as_int(ldl);
+  int info = 0;
+  if (n > 0) dlauum_("L", &size, l, &ld, &info, 1);
+}
+
+int potri(std::size_t n, double* a, std::size_t lda) {
+  const int size = as_int(n), ld = as_int(lda);
+  int info = 0;
+  dpotri_("L", &size, a, &ld, &info, 1);
+  return info;
+}
+
+}  // namespace calot::blas

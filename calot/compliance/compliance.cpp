@@ -1,0 +1,491 @@
+#include "calot/compliance/compliance.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "calot/base/error.h"
+#include "calot/base/parallel.h"
+#include "calot/compliance/blas.h"
+#include "calot/compliance/compliance_impl.h"
+#include "calot/compliance/fold.h"
+#include "calot/compliance/inverse.h"
+#include "calot/fem/support.h"
+
+namespace calot {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+namespace {
+
+constexpr std::uint32_t no_row = ~0u;
+
+std::vector<std::uint8_t> active_slots(const Compliance::Impl& impl) {
+  std::vector<std::uint8_t> active(impl.slots());
+  for (std::size_t s = 0; s < active.size(); ++s) active[s] = !impl.fixed[s] && !impl.dead[s];
+  return active;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> Compliance::Impl::rows_of(std::span<const DofId> dofs) const {
+  std::vector<std::uint32_t> rows;
+  rows.reserve(dofs.size());
+  for (const DofId dof : dofs) {
+    const VertexId vertex = vertex_of(dof);
+    if (vertex.index() >= slot_of_vertex.size())
+      throw InputError("vertex " + std::to_string(vertex.value), "is not in the mesh of " + std::to_string(slot_of_vertex.size()) + " vertices",
+                       "numbers count from 0");
+    const std::int32_t first = row_of_slot[slot_of_vertex[vertex.index()]];
+    rows.push_back(first < 0 ? no_row : static_cast<std::uint32_t>(first) + dof.value % 3);
+  }
+  return rows;
+}
+
+std::vector<std::uint32_t> Compliance::Impl::group_of_rows() const {
+  std::vector<std::uint32_t> result(3 * slot_of_row.size());
+  for (std::size_t r = 0; r < result.size(); ++r) result[r] = group[slot_of_row[r / 3]];
+  return result;
+}
+
+void Compliance::Impl::regroup() {
+  std::vector<std::uint32_t> root(slots());
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](std::uint32_t v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (std::uint32_t v = 0; v < slots(); ++v) {
+    if (row_of_slot[v] < 0 || dead[v]) continue;
+    for (std::uint32_t k = stiffness.row_start[v]; k < stiffness.row_start[v + 1]; ++k) {
+      const std::uint32_t u = stiffness.column[k];
+      if (u >= v || row_of_slot[u] < 0 || dead[u] || stiffness.block[k].isZero(0)) continue;
+      const std::uint32_t a = find(u), b = find(v);
+      root[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  group.resize(slots());
+  for (std::uint32_t v = 0; v < slots(); ++v) group[v] = row_of_slot[v] < 0 || dead[v] ? no_group : find(v);
+}
+
+MatrixXd Compliance::Impl::to_rows(const MatrixXd& x) const {
+  MatrixXd result(static_cast<Index>(3 * slot_of_row.size()), x.cols());
+  for (Index j = 0; j < x.cols(); ++j)
+    for (std::size_t r = 0; r < slot_of_row.size(); ++r)
+      result.col(j).segment<3>(static_cast<Index>(3 * r)) =
+          dead[slot_of_row[r]] ? Vec3::Zero() : Vec3(x.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])));
+  return result;
+}
+
+MatrixXd Compliance::Impl::to_slots(const MatrixXd& x) const {
+  MatrixXd result = MatrixXd::Zero(static_cast<Index>(3 * slots()), x.cols());
+  for (Index j = 0; j < x.cols(); ++j)
+    for (std::size_t r = 0; r < slot_of_row.size(); ++r)
+      if (!dead[slot_of_row[r]]) result.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])) = x.col(j).segment<3>(static_cast<Index>(3 * r));
+  return result;
+}
+
+namespace {
+
+// A force on one part moves that part only: rows of other groups are exactly zero, not merely small.
+void silence_other_groups(const Compliance::Impl& impl, const MatrixXd& forces, MatrixXd& x) {
+  std::vector<std::uint8_t> pushed(impl.slots() + 1);
+  for (Index j = 0; j < x.cols(); ++j) {
+    std::fill(pushed.begin(), pushed.end(), std::uint8_t{0});
+    for (std::size_t s = 0; s < impl.slots(); ++s)
+      if (impl.group[s] != no_group && !forces.col(j).segment<3>(static_cast<Index>(3 * s)).isZero(0)) pushed[impl.group[s]] = 1;
+    for (std::size_t s = 0; s < impl.slots(); ++s)
+      if (impl.group[s] == no_group || !pushed[impl.group[s]]) x.col(j).segment<3>(static_cast<Index>(3 * s)).setZero();
+  }
+}
+
+}  // namespace
+
+MatrixXd Compliance::Impl::apply(const MatrixXd& forces, int refinements) const {
+  blas::use_one_thread();
+  MatrixXd x = to_slots(correction.apply(*base, to_rows(forces)));
+  silence_other_groups(*this, forces, x);
+  MatrixXd residual(x.rows(), x.cols());
+  for (int pass = 0; pass < refinements; ++pass) {
+    parallel_for(static_cast<std::size_t>(x.cols()), [&](std::size_t j) {
+      const auto c = static_cast<Index>(j);
+      stiffness.multiply({x.col(c).data(), static_cast<std::size_t>(x.rows())}, {residual.col(c).data(), static_cast<std::size_t>(x.rows())});
+      residual.col(c) = forces.col(c) - residual.col(c);
+    });
+    x += to_slots(correction.apply(*base, to_rows(residual)));
+    silence_other_groups(*this, forces, x);
+  }
+  return x;
+}
+
+void Compliance::Impl::build(Progress* progress) {
+  const std::vector<std::uint8_t> active = active_slots(*this);
+  if (progress) progress->phase("ordering");
+  auto pattern = std::make_shared<FactorPattern>(analyse(stiffness, active));
+  const std::size_t n = 3 * pattern->vertices();
+  require_memory(pattern->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0), "the compliance");
+  std::vector<std::uint32_t> slot_of_active;
+  for (std::size_t s = 0; s < slots(); ++s)
+    if (active[s]) slot_of_active.push_back(static_cast<std::uint32_t>(s));
+  if (progress) progress->phase("factoring");
+  SparseFactor factor(pattern, stiffness, active, {}, progress);
+  std::unique_ptr<ComplianceBase> made;
+  if (backend == Backend::dense) {
+    if (progress) progress->phase("inverting");
+    Buffer matrix(n * n);
+    invert(factor, matrix.data(), progress);
+    made = std::make_unique<DenseBase>(std::move(matrix), n);
+  } else {
+    made = std::make_unique<SparseBase>(std::move(factor));
+  }
+  row_of_slot.assign(slots(), -1);
+  slot_of_row.resize(pattern->vertices());
+  for (std::size_t p = 0; p < pattern->vertices(); ++p) {
+    slot_of_row[p] = slot_of_active[pattern->perm[p]];
+    row_of_slot[slot_of_row[p]] = static_cast<std::int32_t>(3 * p);
+  }
+  base = std::move(made);
+  correction = Correction(n);
+  spare = {};
+  regroup();
+}
+
+std::function<std::unique_ptr<ComplianceBase>()> Compliance::Impl::fold_work() {
+  if (backend == Backend::dense)
+    return [base = static_cast<const DenseBase*>(base.get()), frozen = std::make_shared<Correction>(correction), group = group_of_rows(),
+            into = std::make_shared<Buffer>(std::move(spare))]() -> std::unique_ptr<ComplianceBase> {
+      return fold_dense(*base, *frozen, group, std::move(*into));
+    };
+  std::vector<std::uint8_t> active(slots());
+  for (std::size_t s = 0; s < slots(); ++s) active[s] = row_of_slot[s] >= 0;
+  return [pattern = static_cast<const SparseBase*>(base.get())->factor().shared_pattern(), matrix = stiffness, active, gone = dead]()
+             -> std::unique_ptr<ComplianceBase> { return std::make_unique<SparseBase>(SparseFactor(pattern, matrix, active, gone)); };
+}
+
+void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
+  if (auto* dense = dynamic_cast<DenseBase*>(base.get())) spare = dense->take();
+  base = std::move(folded);
+  correction = Correction(base->size());
+  for (const UpdateStep& step : steps_since_fold) correction.add(*base, step);
+  steps_since_fold.clear();
+}
+
+Compliance::Compliance(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Compliance::Compliance(Compliance&&) noexcept = default;
+Compliance& Compliance::operator=(Compliance&&) noexcept = default;
+Compliance::~Compliance() = default;
+
+Backend Compliance::backend() const { return impl_->backend; }
+std::size_t Compliance::vertex_count() const { return impl_->slot_of_vertex.size(); }
+
+MatrixXd Compliance::block(std::span<const DofId> rows, std::span<const DofId> columns) const {
+  blas::use_one_thread();
+  const std::vector<std::uint32_t> all_rows = impl_->rows_of(rows), all_columns = impl_->rows_of(columns);
+  std::vector<std::uint32_t> free_rows, free_columns;
+  std::copy_if(all_rows.begin(), all_rows.end(), std::back_inserter(free_rows), [](std::uint32_t r) { return r != no_row; });
+  std::copy_if(all_columns.begin(), all_columns.end(), std::back_inserter(free_columns), [](std::uint32_t r) { return r != no_row; });
+  const MatrixXd found = impl_->correction.block(*impl_->base, free_rows, free_columns);
+  MatrixXd result = MatrixXd::Zero(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
+  Index c = 0;
+  for (std::size_t j = 0; j < all_columns.size(); ++j) {
+    if (all_columns[j] == no_row) continue;
+    const std::uint32_t group = impl_->group[impl_->slot_of_row[all_columns[j] / 3]];
+    Index r = 0;
+    for (std::size_t i = 0; i < all_rows.size(); ++i) {
+      if (all_rows[i] == no_row) continue;
+      if (impl_->group[impl_->slot_of_row[all_rows[i] / 3]] == group) result(static_cast<Index>(i), static_cast<Index>(j)) = found(r, c);
+      ++r;
+    }
+    ++c;
+  }
+  return result;
+}
+
+MatrixXd Compliance::apply(const MatrixXd& forces, int refinements) const {
+  const std::size_t n = vertex_count();
+  if (static_cast<std::size_t>(forces.rows()) != 3 * n)
+    throw InputError("forces", "have " + std::to_string(forces.rows()) + " rows for " + std::to_string(n) + " vertices", "give three a vertex");
+  MatrixXd at_slots = MatrixXd::Zero(static_cast<Index>(3 * impl_->slots()), forces.cols());
+  for (std::size_t v = 0; v < n; ++v) {
+    const std::uint32_t slot = impl_->slot_of_vertex[v];
+    if (!impl_->fixed[slot]) at_slots.middleRows<3>(static_cast<Index>(3 * slot)) = forces.middleRows<3>(static_cast<Index>(3 * v));
+  }
+  const MatrixXd x = impl_->apply(at_slots, refinements);
+  MatrixXd result(forces.rows(), forces.cols());
+  for (std::size_t v = 0; v < n; ++v)
+    result.middleRows<3>(static_cast<Index>(3 * v)) = x.middleRows<3>(static_cast<Index>(3 * impl_->slot_of_vertex[v]));
+  return result;
+}
+
+MatrixXd Compliance::columns(std::span<const DofId> columns) const {
+  MatrixXd unit = MatrixXd::Zero(static_cast<Index>(3 * vertex_count()), static_cast<Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k].index() >= 3 * vertex_count())
+      throw InputError("dof " + std::to_string(columns[k].value), "is not in the mesh", "numbers count from 0");
+    unit(columns[k].value, static_cast<Index>(k)) = 1;
+  }
+  return apply(unit, 1);
+}
+
+Displacements Compliance::solve(const std::vector<PointForce>& forces) const {
+  MatrixXd f = MatrixXd::Zero(static_cast<Index>(3 * vertex_count()), 1);
+  for (const PointForce& force : forces) {
+    if (force.vertex.index() >= vertex_count())
+      throw InputError("force on vertex " + std::to_string(force.vertex.value),
+                       "the mesh has " + std::to_string(vertex_count()) + " vertices", "numbers count from 0");
+    f.block<3, 1>(static_cast<Index>(3 * force.vertex.index()), 0) += force.force;
+  }
+  const MatrixXd u = apply(f, 1);
+  Displacements result(vertex_count());
+  for (std::size_t v = 0; v < result.size(); ++v) result[v] = u.block<3, 1>(static_cast<Index>(3 * v), 0);
+  return result;
+}
+
+namespace {
+
+// Takes the change's new blocks into Â and strikes the dead slots.
+void change_stiffness(Compliance::Impl& impl, const StiffnessChange& change, const std::vector<std::uint32_t>& touched_slots,
+                      const std::vector<std::uint32_t>& struck_slots) {
+  for (const StiffnessChange::Entry& entry : change.entries) *impl.stiffness.find(touched_slots[entry.row], touched_slots[entry.column]) = entry.block;
+  for (const std::uint32_t slot : struck_slots) {
+    impl.dead[slot] = 1;
+    for (std::uint32_t k = impl.stiffness.row_start[slot]; k < impl.stiffness.row_start[slot + 1]; ++k) {
+      impl.stiffness.block[k].setZero();
+      impl.stiffness.find(impl.stiffness.column[k], slot)->setZero();
+    }
+  }
+}
+
+std::vector<std::uint32_t> slots_of(const Compliance::Impl& impl, const std::vector<VertexId>& vertices) {
+  std::vector<std::uint32_t> slots;
+  for (const VertexId v : vertices) slots.push_back(impl.slot_of_vertex.at(v.index()));
+  return slots;
+}
+
+// The rows q = D then S of an update, and Σ Â_e on S without fixed vertices.
+struct UpdateRows {
+  std::vector<std::uint32_t> rows;
+  Index struck = 0;
+  MatrixXd removed;
+};
+
+UpdateRows update_rows(const Compliance::Impl& impl, const StiffnessChange& change, const std::vector<std::uint32_t>& touched_slots,
+                       const std::vector<std::uint32_t>& struck_slots) {
+  UpdateRows result;
+  const auto add = [&](std::uint32_t slot) {
+    for (std::uint32_t a = 0; a < 3; ++a) result.rows.push_back(static_cast<std::uint32_t>(impl.row_of_slot[slot]) + a);
+  };
+  for (const std::uint32_t slot : struck_slots)
+    if (impl.row_of_slot[slot] >= 0 && !impl.dead[slot]) add(slot);
+  result.struck = static_cast<Index>(result.rows.size());
+  std::vector<Index> kept;  // places in `touched` that are free
+  for (std::size_t k = 0; k < touched_slots.size(); ++k)
+    if (impl.row_of_slot[touched_slots[k]] >= 0) {
+      add(touched_slots[k]);
+      kept.push_back(static_cast<Index>(k));
+    }
+  const auto size = static_cast<Index>(3 * kept.size());
+  result.removed.resize(size, size);
+  for (std::size_t j = 0; j < kept.size(); ++j)
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      result.removed.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) = change.removed.block<3, 3>(3 * kept[i], 3 * kept[j]);
+  return result;
+}
+
+void renumber(Compliance::Impl& impl, const Remap& remap) {
+  std::vector<std::uint32_t> slots(remap.vertex_to_old.size());
+  for (std::size_t v = 0; v < slots.size(); ++v) slots[v] = impl.slot_of_vertex.at(remap.vertex_to_old[v].index());
+  impl.slot_of_vertex = std::move(slots);
+}
+
+}  // namespace
+
+UpdateReport Compliance::update(const StiffnessChange& change) {
+  blas::use_one_thread();
+  Impl& impl = *impl_;
+  if (change.remap.vertex_to_new.size() != vertex_count())
+    throw InputError("change", "was made from a mesh of " + std::to_string(change.remap.vertex_to_new.size()) + " vertices, the compliance has " +
+                                   std::to_string(vertex_count()),
+                     "apply every edit of the model to its compliance, in order");
+  if (!change.unsupported.empty())
+    throw Unsupported("", change.unsupported, "hold it, keep it joined, or use a time step > 0");
+  const std::vector<std::uint32_t> touched = slots_of(impl, change.touched), struck = slots_of(impl, change.struck);
+  UpdateRows q = update_rows(impl, change, touched, struck);
+  UpdateReport report;
+  report.rank = q.rows.size();
+  if (!q.rows.empty()) {
+    if (impl.backend == Backend::sparse) impl.base->prepare(q.rows);
+    UpdateFactors factors = exact_update(impl.correction.block(*impl.base, q.rows, q.rows), q.struck, q.removed);
+    report.smallest_eigenvalue = factors.smallest_eigenvalue;
+    const bool lost = factors.smallest_eigenvalue < (impl.is_static ? 1e-10 : 1e-13);
+    if (lost && impl.is_static)
+      throw Unsupported("", "what the cut leaves is held too weakly to be solved (smallest eigenvalue " + std::to_string(factors.smallest_eigenvalue) + ")",
+                        "keep more of it, or use a time step > 0");
+    change_stiffness(impl, change, touched, struck);
+    renumber(impl, change.remap);
+    if (lost) {  // A dynamic model stays definite, but the update would keep no digit: compute anew instead.
+      refresh();
+      return report;
+    }
+    UpdateStep step{std::move(q.rows), std::move(factors)};
+    impl.correction.add(*impl.base, step);
+    if (impl.fold.valid()) impl.steps_since_fold.push_back(std::move(step));
+    impl.regroup();
+  } else {
+    change_stiffness(impl, change, touched, struck);
+    renumber(impl, change.remap);
+  }
+  return report;
+}
+
+std::size_t Compliance::pending_rank() const { return impl_->correction.rows().size(); }
+
+void Compliance::fold() {
+  if (impl_->fold.valid()) adopt_fold();
+  if (pending_rank() == 0) return;
+  impl_->adopt(impl_->fold_work()());
+}
+
+void Compliance::start_fold() {
+  if (impl_->fold.valid() || pending_rank() == 0) return;
+  impl_->fold = std::async(std::launch::async, [work = impl_->fold_work()] {
+    const BackgroundLane lane;
+    return work();
+  });
+}
+
+bool Compliance::fold_ready() const {
+  return impl_->fold.valid() && impl_->fold.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+void Compliance::adopt_fold() {
+  if (impl_->fold.valid()) impl_->adopt(impl_->fold.get());
+}
+
+void Compliance::refresh(Progress* progress) {
+  if (impl_->fold.valid()) impl_->fold.get();
+  impl_->steps_since_fold.clear();
+  impl_->build(progress);
+}
+
+std::uint64_t Compliance::bytes() const {
+  return impl_->base->bytes() + impl_->spare.size() * sizeof(double) +
+         static_cast<std::uint64_t>(2 * impl_->correction.core().size()) * sizeof(double);
+}
+
+std::uint64_t Compliance::factor_nonzeros() const {
+  const auto* sparse = dynamic_cast<const SparseBase*>(impl_->base.get());
+  return sparse ? static_cast<std::uint64_t>(sparse->factor().pattern().nonzeros) : 0;
+}
+
+namespace {
+
+std::unique_ptr<Compliance::Impl> start(const Model& model, Backend backend) {
+  auto impl = std::make_unique<Compliance::Impl>();
+  impl->backend = backend;
+  impl->is_static = model.dynamics().is_static();
+  impl->fixed = model.fixed();
+  impl->dead.assign(impl->slots(), 0);
+  impl->slot_of_vertex.resize(impl->slots());
+  std::iota(impl->slot_of_vertex.begin(), impl->slot_of_vertex.end(), 0u);
+  std::vector<std::uint8_t> used(impl->slots(), 0);
+  for (const Tet& tet : model.mesh().tets)
+    for (const VertexId v : tet) used[v.index()] = 1;
+  for (std::size_t s = 0; s < impl->slots(); ++s) impl->dead[s] = !used[s];
+  impl->stiffness = model.step_stiffness();
+  return impl;
+}
+
+void require_support(const Model& model) {
+  if (!model.dynamics().is_static()) return;
+  const std::string free = unsupported_part(model.mesh(), model.fixed());
+  if (!free.empty()) throw InputError("static model", free, "add a [[fixed]] that holds it, or set time_step > 0");
+}
+
+}  // namespace
+
+Compliance precompute(const Model& model, const PrecomputeOptions& options, Progress* progress) {
+  blas::use_one_thread();
+  require_support(model);
+  require_memory(precompute_memory(model, options), "the compliance of " + std::to_string(model.mesh().vertex_count()) + " vertices");
+  std::unique_ptr<Compliance::Impl> impl = start(model, options.backend);
+  impl->build(progress);
+  return Compliance(std::move(impl));
+}
+
+std::uint64_t precompute_memory(const Model& model, const PrecomputeOptions& options) {
+  std::uint64_t free_vertices = 0;
+  for (const std::uint8_t fixed : model.fixed()) free_vertices += !fixed;
+  const std::uint64_t n = 3 * free_vertices;
+  const std::uint64_t stiffness = 1500 * free_vertices;  // about 14 blocks a row and its analysis
+  if (options.backend == Backend::dense) return n * n * sizeof(double) + stiffness + 8 * 200 * n;
+  // Measured on compact organs: nnz(L) ≈ 3.0·n^1.37; the fronts need about half as much again.
+  const auto nonzeros = static_cast<std::uint64_t>(3.0 * std::pow(static_cast<double>(n), 1.37));
+  return nonzeros * sizeof(double) * 3 / 2 + stiffness;
+}
+
+Compliance Compliance::from_rows(const Model& model, const std::function<void(VertexId, std::size_t, double*)>& read) {
+  blas::use_one_thread();
+  std::unique_ptr<Impl> impl = start(model, Backend::dense);
+  impl->row_of_slot.assign(impl->slots(), -1);
+  for (std::size_t s = 0; s < impl->slots(); ++s)
+    if (!impl->fixed[s] && !impl->dead[s]) {
+      impl->row_of_slot[s] = static_cast<std::int32_t>(3 * impl->slot_of_row.size());
+      impl->slot_of_row.push_back(static_cast<std::uint32_t>(s));
+    }
+  const std::size_t n = 3 * impl->slot_of_row.size(), width = 3 * impl->slots();
+  require_memory(n * n * sizeof(double), "the compliance");
+  Buffer matrix(n * n);
+  constexpr std::size_t at_once = 16;
+  std::vector<double> rows(3 * at_once * width);
+  for (std::size_t first = 0; first < impl->slots(); first += at_once) {
+    const std::size_t count = std::min(at_once, impl->slots() - first);
+    read(VertexId(first), count, rows.data());
+    for (std::size_t k = 0; k < 3 * count; ++k) {
+      const std::int32_t row = impl->row_of_slot[first + k / 3];
+      if (row < 0) continue;
+      double* to = matrix.data() + (static_cast<std::size_t>(row) + k % 3) * n;  // symmetric: a row is a column
+      for (const std::uint32_t slot : impl->slot_of_row) to = std::copy_n(rows.data() + k * width + 3 * std::size_t{slot}, 3, to);
+    }
+  }
+  impl->base = std::make_unique<DenseBase>(std::move(matrix), n);
+  impl->correction = Correction(n);
+  impl->regroup();
+  return Compliance(std::move(impl));
+}
+
+void Compliance::copy_rows(VertexId first, std::size_t count, double* out) const {
+  const std::size_t width = 3 * vertex_count();
+  std::fill_n(out, 3 * count * width, 0.0);
+  std::vector<DofId> dofs;
+  for (std::size_t k = 0; k < 3 * count; ++k) dofs.push_back(DofId(3 * first.index() + k));
+  const auto* dense = dynamic_cast<const DenseBase*>(impl_->base.get());
+  if (!dense || pending_rank() > 0) {
+    const MatrixXd found = columns(dofs);
+    std::copy_n(found.data(), found.size(), out);
+    return;
+  }
+  const std::vector<std::uint32_t> rows = impl_->rows_of(dofs);
+  parallel_for(rows.size(), [&](std::size_t k) {
+    if (rows[k] == no_row) return;
+    const double* from = dense->column(rows[k]);
+    const std::uint32_t group = impl_->group[impl_->slot_of_row[rows[k] / 3]];
+    for (std::size_t v = 0; v < vertex_count(); ++v) {
+      const std::uint32_t slot = impl_->slot_of_vertex[v];
+      if (impl_->group[slot] == group) std::copy_n(from + impl_->row_of_slot[slot], 3, out + k * width + 3 * v);
+    }
+  });
+}
+
+FullCompliance Compliance::full() const {
+  FullCompliance result;
+  result.vertices = vertex_count();
+  require_memory(result.size() * result.size() * sizeof(double), "the whole matrix");
+  result.values.resize(result.size() * result.size());
+  constexpr std::size_t at_once = 64;
+  for (std::size_t first = 0; first < result.vertices; first += at_once)
+    copy_rows(VertexId(first), std::min(at_once, result.vertices - first), result.row(3 * first));
+  return result;
+}
+
+}  // namespace calot
