@@ -1,0 +1,444 @@
+#include "calot/fem/model_file.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <sstream>
+#include <toml.hpp>
+
+#include "calot/base/error.h"
+#include "calot/base/files.h"
+#include "calot/mesh/mesh_file.h"
+
+namespace calot {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t size_limit = std::uint64_t{256} << 20;  // lists of supports can be long
+constexpr int nesting_limit = 64;                               // the parser recurses
+
+std::string number_text(double value) {
+  std::array<char, 40> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+/// Number of insertions, deletions and replacements that turn a into b [Levenshtein1966].
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row.back();
+}
+
+/// A TOML file whose every complaint names file and line.
+class TomlFile {
+ public:
+  explicit TomlFile(const fs::path& path) : path_(path), root_(parse(path)) {}
+
+  [[nodiscard]] const toml::value& root() const { return root_; }
+  [[nodiscard]] std::string file() const { return path_.string(); }
+  [[nodiscard]] std::string at(const toml::value& value) const { return at_line(file(), value.location().line()); }
+  [[noreturn]] void fail(const toml::value& value, const std::string& what, const std::string& what_to_do) const {
+    throw InputError(at(value), what, what_to_do);
+  }
+
+  /// Refuses keys that nobody reads; the first in the file is named, with the nearest known one.
+  void allow_only(const toml::value& table, const std::vector<std::string>& known) const {
+    const toml::value* first = nullptr;
+    std::string unknown;
+    for (const auto& [key, value] : table.as_table()) {
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      if (first != nullptr && first->location().line() <= value.location().line()) continue;
+      first = &value;
+      unknown = key;
+    }
+    if (first == nullptr) return;
+    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
+      return edit_distance(unknown, a) < edit_distance(unknown, b);
+    });
+    std::string list;
+    for (const std::string& key : known) list += (list.empty() ? "" : ", ") + key;
+    const bool close = edit_distance(unknown, *nearest) <= 1 + unknown.size() / 3;
+    fail(*first, "unknown key \"" + unknown + "\"", close ? "did you mean " + *nearest + "?" : "known keys: " + list);
+  }
+
+  /// The value of a key, or nullptr.
+  static const toml::value* find(const toml::value& table, const std::string& key) {
+    const auto& entries = table.as_table();
+    const auto found = entries.find(key);
+    return found == entries.end() ? nullptr : &found->second;
+  }
+  const toml::value& need(const toml::value& table, const std::string& key, const std::string& example) const {
+    if (const toml::value* value = find(table, key)) return *value;
+    fail(table, "\"" + key + "\" is missing", "add e.g. " + key + " = " + example);
+  }
+
+  double number(const toml::value& value, const std::string& name) const {
+    double number = 0;
+    if (value.is_integer())
+      number = static_cast<double>(value.as_integer());
+    else if (value.is_floating())
+      number = value.as_floating();
+    else
+      fail(value, name + " must be a number", "write e.g. 1.5");
+    if (!std::isfinite(number)) fail(value, name + " is not a finite number", "give a finite number");
+    return number;
+  }
+  const std::string& text(const toml::value& value, const std::string& name) const {
+    if (!value.is_string()) fail(value, name + " must be text", "write it in quotes");
+    return value.as_string().str;
+  }
+  const std::vector<toml::value>& array(const toml::value& value, const std::string& name) const {
+    if (!value.is_array()) fail(value, name + " must be a list", "write it in [ ]");
+    return value.as_array();
+  }
+  /// The tables of [[name]]; none if there is no such key.
+  [[nodiscard]] std::vector<toml::value> tables(const std::string& name) const {
+    const toml::value* value = find(root_, name);
+    if (value == nullptr) return {};
+    const bool fits = value->is_array() && std::all_of(value->as_array().begin(), value->as_array().end(),
+                                                       [](const toml::value& entry) { return entry.is_table(); });
+    if (!fits) fail(*value, name + " must be a list of tables", "write [[" + name + "]]");
+    return value->as_array();
+  }
+
+ private:
+  static toml::value parse(const fs::path& path) {
+    const std::string bytes = read_file(path, size_limit);
+    int depth = 0;
+    for (const char c : bytes) {
+      if (c == '[' || c == '{') ++depth;
+      if (c == ']' || c == '}') --depth;
+      if (depth > nesting_limit) throw InputError(path.string(), "is nested too deeply", "check its brackets");
+    }
+    std::istringstream in(bytes);
+    try {
+      return toml::parse(in, path.string());
+    } catch (const toml::exception& wrong) {
+      throw InputError(at_line(path.string(), wrong.location().line()), first_line(wrong.what()), "see toml.io");
+    } catch (const std::exception& wrong) {
+      throw InputError(path.string(), first_line(wrong.what()), "see toml.io");
+    }
+  }
+  /// The parser draws a picture of the place below its first line, and begins with the name of its own function.
+  static std::string first_line(const std::string& message) {
+    std::string line = "not TOML: " + message.substr(0, message.find('\n'));
+    for (const std::string noise : {"[error] ", "toml::"})
+      if (const auto place = line.find(noise); place != std::string::npos) line.erase(place, noise.size());
+    return line;
+  }
+
+  fs::path path_;
+  toml::value root_;
+};
+
+/// The model as the file builds it up.
+class ModelReader {
+ public:
+  explicit ModelReader(const fs::path& path) : toml_(path) {}
+
+  Model read() {
+    const toml::value& root = toml_.root();
+    toml_.allow_only(root, {"mesh", "length_unit", "region_names", "time_step", "rayleigh_mass", "rayleigh_stiffness",
+                            "mass_lumping", "total_mass", "material", "fixed"});
+    const Dynamics dynamics = read_dynamics();
+    const std::optional<double> total_mass = read_total_mass(dynamics);
+    read_mesh_file();
+    name_regions();
+    for (const toml::value& table : toml_.tables("material")) read_material(table);
+    check_materials();
+    fixed_.assign(mesh_.vertex_count(), 0);
+    for (const toml::value& table : toml_.tables("fixed")) read_fixed(table);
+    check_support(dynamics);
+    return {std::move(mesh_),  std::move(materials_),
+            std::move(fixed_), dynamics,
+            total_mass,        {fs::path(toml_.file()), mesh_path_, sha256_of_file(mesh_path_)}};
+  }
+
+ private:
+  double read_non_negative(const std::string& key, double otherwise) const {
+    const toml::value* value = TomlFile::find(toml_.root(), key);
+    if (value == nullptr) return otherwise;
+    const double number = toml_.number(*value, key);
+    if (number < 0) toml_.fail(*value, key + " = " + number_text(number) + " is negative", "give a number ≥ 0");
+    return number;
+  }
+
+  [[nodiscard]] Dynamics read_dynamics() const {
+    Dynamics dynamics;
+    dynamics.time_step = read_non_negative("time_step", dynamics.time_step);
+    dynamics.rayleigh_mass = read_non_negative("rayleigh_mass", 0);
+    dynamics.rayleigh_stiffness = read_non_negative("rayleigh_stiffness", 0);
+    if (const toml::value* value = TomlFile::find(toml_.root(), "mass_lumping")) {
+      const std::string& name = toml_.text(*value, "mass_lumping");
+      if (name != "element" && name != "uniform")
+        toml_.fail(*value, "unknown mass_lumping \"" + name + "\"", "use \"element\" or \"uniform\"");
+      dynamics.mass_lumping = name == "uniform" ? MassLumping::uniform : MassLumping::element;
+    }
+    return dynamics;
+  }
+
+  [[nodiscard]] std::optional<double> read_total_mass(const Dynamics& dynamics) const {
+    const toml::value* value = TomlFile::find(toml_.root(), "total_mass");
+    if (value == nullptr) return {};
+    if (dynamics.mass_lumping != MassLumping::uniform)
+      toml_.fail(*value, "total_mass needs mass_lumping = \"uniform\"", "leave it out or change mass_lumping");
+    const double mass = toml_.number(*value, "total_mass");
+    if (mass <= 0) toml_.fail(*value, "total_mass = " + number_text(mass) + " must be > 0 kg", "give the mass in kg");
+    return mass;
+  }
+
+  void read_mesh_file() {
+    const toml::value& name = toml_.need(toml_.root(), "mesh", "\"organ.msh\"");
+    if (const toml::value* unit = TomlFile::find(toml_.root(), "length_unit"))
+      metres_ = metres_per(unit_ = toml_.text(*unit, "length_unit"), toml_.at(*unit));
+    mesh_path_ = fs::path(toml_.file()).parent_path() / toml_.text(name, "mesh");
+    std::error_code code;
+    if (!fs::is_regular_file(mesh_path_, code))
+      toml_.fail(name, "no mesh file " + mesh_path_.string(), "name it relative to the model file");
+    mesh_ = read_mesh(mesh_path_, metres_).mesh;
+    present_ = {mesh_.regions.begin(), mesh_.regions.end()};
+  }
+
+  void name_regions() {
+    const toml::value* names = TomlFile::find(toml_.root(), "region_names");
+    if (names == nullptr) return;
+    if (!names->is_table()) toml_.fail(*names, "region_names must be a table", "write { 2 = \"liver\" }");
+    for (const auto& [key, value] : names->as_table()) {
+      std::int32_t region = 0;
+      const auto [end, code] = std::from_chars(key.data(), key.data() + key.size(), region);
+      if (code != std::errc() || end != key.data() + key.size())
+        toml_.fail(value, "\"" + key + "\" is not a region number", "write { 2 = \"liver\" }");
+      if (!present_.contains(region)) (void)regions_matching(mesh_, key, toml_.at(value) + ": region_names");
+      mesh_.region_names[region] = toml_.text(value, "the name of region " + key);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> regions_of(const toml::value& value) const {
+    const std::string name = value.is_integer() ? std::to_string(value.as_integer()) : toml_.text(value, "region");
+    return regions_matching(mesh_, name, toml_.at(value));
+  }
+
+  void read_material(const toml::value& table) {
+    toml_.allow_only(table, {"region", "young", "poisson", "density"});
+    const toml::value& young = toml_.need(table, "young", "1.0e6  # Pa");
+    const toml::value& poisson = toml_.need(table, "poisson", "0.45");
+    Material material;
+    material.young = toml_.number(young, "young");
+    material.poisson = toml_.number(poisson, "poisson");
+    if (material.young <= 0)
+      toml_.fail(young, "young = " + number_text(material.young) + " must be > 0 Pa", "give Young's modulus in Pa");
+    if (material.poisson <= -1 || material.poisson >= 0.5)
+      toml_.fail(poisson, "poisson = " + number_text(material.poisson) + " must lie between -1 and 0.5",
+                 "use e.g. 0.45 for soft tissue");
+    if (const toml::value* density = TomlFile::find(table, "density")) {
+      material.density = toml_.number(*density, "density");
+      if (material.density <= 0)
+        toml_.fail(*density, "density = " + number_text(material.density) + " must be > 0 kg/m3", "use e.g. 1000");
+    }
+    for (const std::int32_t region : regions_of(toml_.need(table, "region", "\"*\""))) materials_[region] = material;
+  }
+
+  void check_materials() const {
+    for (const std::int32_t region : present_) {
+      if (materials_.contains(region)) continue;
+      const auto name = mesh_.region_names.find(region);
+      throw InputError(toml_.file(),
+                       "region " + std::to_string(region) +
+                           (name == mesh_.region_names.end() ? "" : " (" + name->second + ")") + " has no material",
+                       "add a [[material]] for it or for \"*\"");
+    }
+  }
+
+  void read_fixed(const toml::value& table) {
+    toml_.allow_only(table, {"vertices", "box", "region"});
+    if (table.as_table().size() != 1)
+      toml_.fail(table, "a [[fixed]] needs one of vertices, box and region", "write a [[fixed]] for each");
+    if (const toml::value* vertices = TomlFile::find(table, "vertices")) fix_vertices(*vertices);
+    if (const toml::value* box = TomlFile::find(table, "box")) fix_box(*box);
+    if (const toml::value* region = TomlFile::find(table, "region")) fix_region(*region);
+  }
+
+  void fix_vertices(const toml::value& list) {
+    const std::size_t count = mesh_.vertex_count();
+    for (const toml::value& entry : toml_.array(list, "vertices")) {
+      if (!entry.is_integer()) toml_.fail(entry, "a vertex number must be a whole number", "count from 0");
+      const std::int64_t number = entry.as_integer();
+      if (number < 0 || static_cast<std::uint64_t>(number) >= count)
+        toml_.fail(entry, "vertex " + std::to_string(number) + " is not in the mesh",
+                   "use 0 to " + std::to_string(count - 1));
+      fixed_[static_cast<std::size_t>(number)] = 1;
+    }
+  }
+
+  Vec3 corner(const toml::value& box, const std::string& key) const {
+    const toml::value& value = toml_.need(box, key, "[0.0, 0.0, 0.0]");
+    const auto& list = toml_.array(value, key);
+    if (list.size() != 3) toml_.fail(value, key + " needs three numbers", "write [x, y, z]");
+    Vec3 point;
+    for (std::size_t axis = 0; axis < 3; ++axis) point[static_cast<int>(axis)] = toml_.number(list[axis], key);
+    return point;
+  }
+
+  void fix_box(const toml::value& box) {
+    if (!box.is_table()) toml_.fail(box, "box must be a table", "write { min = [x, y, z], max = [x, y, z] }");
+    toml_.allow_only(box, {"min", "max"});
+    const Vec3 low = corner(box, "min"), high = corner(box, "max");
+    if ((low.array() > high.array()).any()) toml_.fail(box, "the box is empty: min is above max", "exchange them");
+    const std::vector<std::uint8_t> used = used_vertices();
+    std::size_t caught = 0;
+    Vec3 mesh_low = Vec3::Constant(HUGE_VAL), mesh_high = -mesh_low;
+    for (std::size_t v = 0; v < used.size(); ++v) {
+      const Vec3& p = mesh_.positions[v];
+      mesh_low = mesh_low.cwiseMin(p);
+      mesh_high = mesh_high.cwiseMax(p);
+      // Scaled as the mesh was, so that a box drawn exactly through vertices catches them.
+      const bool inside = (p.array() >= metres_ * low.array()).all() && (p.array() <= metres_ * high.array()).all();
+      if (used[v] == 0 || !inside) continue;
+      fixed_[v] = 1;
+      ++caught;
+    }
+    if (caught > 0) return;
+    toml_.fail(box, "the box catches no vertex",
+               "the mesh reaches from " + point_text(mesh_low) + " to " + point_text(mesh_high) + " " + unit_);
+  }
+
+  void fix_region(const toml::value& value) {
+    const std::vector<std::int32_t> regions = regions_of(value);
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t)
+      if (std::find(regions.begin(), regions.end(), mesh_.regions[t]) != regions.end())
+        for (const VertexId v : mesh_.tets[t]) fixed_[v.index()] = 1;
+  }
+
+  void check_support(const Dynamics& dynamics) const {
+    if (!dynamics.is_static()) return;
+    const std::vector<std::uint8_t> used = used_vertices();
+    for (std::size_t v = 0; v < used.size(); ++v)
+      if (used[v] != 0 && fixed_[v] != 0) return;
+    toml_.fail(*TomlFile::find(toml_.root(), "time_step"), "a static model (time_step = 0) needs fixed vertices",
+               "add a [[fixed]] or a time_step > 0");
+  }
+
+  [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
+    std::vector<std::uint8_t> used(mesh_.vertex_count(), 0);
+    for (const Tet& tet : mesh_.tets)
+      for (const VertexId v : tet) used[v.index()] = 1;
+    return used;
+  }
+
+  [[nodiscard]] std::string point_text(const Vec3& metres) const {
+    std::ostringstream text;
+    text.precision(4);
+    text << '[' << metres[0] / metres_ << ", " << metres[1] / metres_ << ", " << metres[2] / metres_ << ']';
+    return text.str();
+  }
+
+  TomlFile toml_;
+  fs::path mesh_path_;
+  std::string unit_ = "m";
+  double metres_ = 1;
+  TetMesh mesh_;
+  std::set<std::int32_t> present_;  // regions that tets carry
+  std::map<std::int32_t, Material> materials_;
+  std::vector<std::uint8_t> fixed_;
+};
+
+// ---- writing ----
+
+/// The shortest text that reads back to the same double and is a TOML float.
+std::string real(double value) {
+  std::string text = number_text(value);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string quoted(const std::string& text) {
+  std::ostringstream out;
+  out << '"';
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out << '\\' << c;
+    else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+      out << "\\u00"
+          << "0123456789abcdef"[c >> 4] << "0123456789abcdef"[c & 15];
+    else
+      out << c;
+  }
+  return out.str() + '"';
+}
+
+/// A total mass whose share, total / count, is the given one: to the last bit where a double can do that.
+double total_for_share(double share, double count) {
+  const double product = share * count;
+  double best = product, candidate = product;
+  for (const double direction : {0.0, HUGE_VAL}) {
+    candidate = product;
+    for (int step = 0; step < 4; ++step) {
+      if (std::abs(candidate / count - share) < std::abs(best / count - share)) best = candidate;
+      candidate = std::nextafter(candidate, direction);
+    }
+  }
+  return best;
+}
+
+void write_region_names(std::ostream& out, const TetMesh& mesh, const std::set<std::int32_t>& present) {
+  std::string names;
+  for (const auto& [region, name] : mesh.region_names)
+    if (present.contains(region)) names += (names.empty() ? "" : ", ") + std::to_string(region) + " = " + quoted(name);
+  if (!names.empty()) out << "region_names = { " << names << " }\n";
+}
+
+void write_fixed(std::ostream& out, const std::vector<std::uint8_t>& fixed) {
+  constexpr std::size_t per_line = 16;
+  std::size_t written = 0;
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    if (fixed[v] == 0) continue;
+    if (written == 0) out << "\n[[fixed]]\nvertices = [";
+    out << (written % per_line == 0 ? "\n  " : " ") << v << ',';
+    ++written;
+  }
+  if (written > 0) out << "\n]\n";
+}
+
+}  // namespace
+
+Model load_model(const fs::path& path) {
+  return ModelReader(path).read();
+}
+
+void save_model(const fs::path& path, const Model& model, const std::string& mesh_name) {
+  const Dynamics& dynamics = model.dynamics();
+  const std::set<std::int32_t> present(model.mesh().regions.begin(), model.mesh().regions.end());
+  write_file(path, [&](std::ostream& out) {
+    out << "mesh = " << quoted(mesh_name) << "\nlength_unit = \"m\"\n";
+    write_region_names(out, model.mesh(), present);
+    out << "time_step = " << real(dynamics.time_step) << "  # s\n"
+        << "rayleigh_mass = " << real(dynamics.rayleigh_mass) << "  # 1/s\n"
+        << "rayleigh_stiffness = " << real(dynamics.rayleigh_stiffness) << "  # s\n";
+    if (dynamics.mass_lumping == MassLumping::uniform)
+      out << "mass_lumping = \"uniform\"\ntotal_mass = "
+          << real(total_for_share(model.uniform_share(), static_cast<double>(model.mesh().vertex_count())))
+          << "  # kg\n";
+    else
+      out << "mass_lumping = \"element\"\n";
+    for (const auto& [region, material] : model.materials())
+      if (present.contains(region))
+        out << "\n[[material]]\nregion = " << region << "\nyoung = " << real(material.young)
+            << "  # Pa\npoisson = " << real(material.poisson) << "\ndensity = " << real(material.density)
+            << "  # kg/m3\n";
+    write_fixed(out, model.fixed());
+  });
+}
+
+}  // namespace calot
