@@ -15,7 +15,6 @@ namespace calot {
 namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
-constexpr std::size_t huge_page = std::size_t{2} << 20;
 
 // The value in bytes of a line "Name:   123 kB", or `fallback`.
 std::uint64_t kilobytes_in(const char* file, const std::string& name, std::uint64_t fallback) {
@@ -67,13 +66,12 @@ void require_memory(std::uint64_t bytes, const std::string& what) {
 
 Buffer::Buffer(std::size_t count) : count_(count) {
   if (count == 0) return;
-  mapped_ = (count * sizeof(double) + huge_page - 1) / huge_page * huge_page;
+  mapped_ = count * sizeof(double);
   void* memory = mmap(nullptr, mapped_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) {
     mapped_ = 0;
     throw FailedError("memory", "the system refused " + readable_bytes(count * sizeof(double)), "use a coarser mesh");
   }
-  madvise(memory, mapped_, MADV_HUGEPAGE);
   data_ = static_cast<double*>(memory);
 }
 

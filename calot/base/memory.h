@@ -15,7 +15,8 @@ std::string readable_bytes(std::uint64_t bytes);
 /// Throws FailedError naming `what`, the bytes needed and the bytes there are, if they are too few.
 void require_memory(std::uint64_t bytes, const std::string& what);
 
-/// An array of doubles, not initialised unless fresh from the system (then zero), in huge pages where the system has them.
+/// An array of doubles straight from the system: not touched, hence not paid for, until it is written.
+/// (Huge pages were measured and left out: on virtual machines their first touch was three times slower.)
 class Buffer {
  public:
   Buffer() = default;

@@ -8,6 +8,8 @@
 
 namespace calot {
 
+inline constexpr std::uint32_t no_group = ~0u;
+
 /// Vertices are kept in "slots", the numbering of the mesh when the compliance was made: cuts renumber the mesh, never
 /// the rows. A slot has three rows in the base, unless its vertex is fixed or belongs to no tet.
 struct Compliance::Impl {
@@ -17,6 +19,8 @@ struct Compliance::Impl {
   std::vector<std::uint8_t> fixed;        // slots
   std::vector<std::int32_t> row_of_slot;  // first base row, or −1
   std::vector<std::uint32_t> slot_of_row; // base rows / 3
+  std::vector<std::uint8_t> active;       // slots that have rows: neither fixed nor without tets when analysed
+  std::shared_ptr<const FactorPattern> pattern;  // of the active slots, in base row order
 
   // Changed by cuts.
   BlockMatrix stiffness;                    // Â over slots; blocks of dead slots are zero
@@ -33,7 +37,6 @@ struct Compliance::Impl {
 
   [[nodiscard]] std::size_t slots() const { return fixed.size(); }
   [[nodiscard]] std::vector<std::uint32_t> rows_of(std::span<const DofId> dofs) const;  // ~0u for fixed ones
-  [[nodiscard]] std::vector<std::uint32_t> group_of_rows() const;
   void regroup();
 
   // Vectors over slots (3 values each) to base rows and back.
@@ -41,6 +44,7 @@ struct Compliance::Impl {
   [[nodiscard]] Eigen::MatrixXd to_slots(const Eigen::MatrixXd& x) const;
   /// C F over slots, refined; couplings between groups are exactly zero.
   [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& forces, int refinements) const;
+  void lay_out_rows();  // analyses Â and gives every active slot its rows
   void build(Progress* progress);
   [[nodiscard]] std::function<std::unique_ptr<ComplianceBase>()> fold_work();
   void adopt(std::unique_ptr<ComplianceBase> folded);
