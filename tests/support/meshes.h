@@ -23,8 +23,8 @@ TetMesh bar_mesh(int cells, double length = 0.1, double side = 0.02);
 
 /// Something like a biliary tree, wavering and of uneven thickness: regions 2 ("gallbladder"), 3 ("cystic duct"), 4
 /// ("common bile duct", a column along z). 208·fineness³ cubes of about 5 mm / fineness: 389 vertices and 1248 tets at
-/// fineness 1, 2321 and 9984 at 2 (the size of the paper's mesh). The duct runs along x from x = 10 mm to x = 30 mm; the
-/// common bile duct ends at z = 0 and z = 60 mm (about; it wavers by under 1 mm).
+/// fineness 1, 2321 and 9984 at 2 (the size of the paper's mesh). The duct runs along x from x = 10 mm to x = 30 mm;
+/// the common bile duct ends at z = 0 and z = 60 mm (about; it wavers by under 1 mm).
 TetMesh biliary_mesh(int fineness = 1);
 
 /// One tet with all edges of this length; region 1.
