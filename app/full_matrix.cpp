@@ -1,0 +1,47 @@
+#include "app/full_matrix.h"
+
+#include <cmath>
+
+#include "calot/base/error.h"
+#include "calot/base/parallel.h"
+
+namespace calot {
+
+Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces) {
+  for (const PointForce& force : forces)
+    if (force.vertex.index() >= compliance.vertices)
+      throw InputError("force", "vertex " + std::to_string(force.vertex.value) + " is not in the mesh");
+  Displacements u(compliance.vertices, Vec3::Zero());
+  for (std::size_t r = 0; r < compliance.size(); ++r)
+    for (const PointForce& force : forces)
+      u[r / 3][static_cast<int>(r % 3)] +=
+          Eigen::Map<const Vec3>(compliance.row(r) + 3 * force.vertex.index()).dot(force.force);
+  return u;
+}
+
+double probe_residual(const FullCompliance& compliance, const Model& model) {
+  std::vector<std::uint8_t> free_vertex(compliance.vertices, 0);
+  for (const Tet& tet : model.mesh().tets)
+    for (const VertexId v : tet) free_vertex[v.index()] = model.is_fixed(v) ? 0 : 1;
+  std::vector<double> z(compliance.size(), 0.0), x(compliance.size()), y(compliance.size());
+  std::uint64_t state = 1;
+  for (std::size_t r = 0; r < z.size(); ++r) {
+    state = state * 6364136223846793005u + 1442695040888963407u;  // [Knuth1997] MMIX
+    if (free_vertex[r / 3] != 0) z[r] = static_cast<double>(state >> 11) * 0x1.0p-52 - 1;
+  }
+  parallel_for(compliance.size(), [&](std::size_t r) {
+    double sum = 0;
+    for (std::size_t c = 0; c < z.size(); ++c) sum += compliance.row(r)[c] * z[c];
+    x[r] = sum;
+  });
+  model.step_stiffness().multiply(x, y);
+  double error = 0, size = 0;
+  for (std::size_t r = 0; r < z.size(); ++r) {
+    if (free_vertex[r / 3] == 0) continue;
+    error += (y[r] - z[r]) * (y[r] - z[r]);
+    size += z[r] * z[r];
+  }
+  return size > 0 ? std::sqrt(error / size) : 0;
+}
+
+}  // namespace calot

@@ -1,0 +1,53 @@
+#include "app/staged_folder.h"
+
+#include "calot/base/error.h"
+#include "calot/base/files.h"
+
+namespace calot {
+namespace fs = std::filesystem;
+
+StagedFolder::StagedFolder(fs::path target) : target_(std::move(target)) {
+  if (!target_.has_filename() && target_.has_parent_path()) target_ = target_.parent_path();  // "out/" is "out"
+  std::error_code code;
+  if (fs::exists(target_, code) && !fs::is_directory(target_, code))
+    throw InputError(target_.string(), "exists and is not a folder", "name another folder");
+  if (target_.filename() == "." || target_.filename() == "..") target_ = fs::canonical(target_, code);
+}
+
+StagedFolder::~StagedFolder() {
+  if (folder_.empty()) return;
+  std::error_code ignored;
+  fs::remove_all(folder_, ignored);
+  if (committed_ || made_.empty()) return;
+  for (fs::path parent = fs::absolute(target_, ignored).parent_path(); parent.string().size() >= made_.string().size();
+       parent = parent.parent_path())
+    fs::remove(parent, ignored);  // only those that are empty
+}
+
+const fs::path& StagedFolder::open() {
+  std::error_code code;
+  const fs::path parent = fs::absolute(target_, code).parent_path();
+  for (fs::path missing = parent; !missing.empty() && !fs::exists(missing, code); missing = missing.parent_path())
+    made_ = missing;
+  folder_ = partial_path(target_);
+  fs::create_directories(folder_, code);
+  if (code)
+    throw FailedError(target_.string(), "can't be made: " + code.message(), "check the folder and its permissions");
+  return folder_;
+}
+
+void StagedFolder::commit(const std::vector<std::string>& files) {
+  std::error_code code;
+  if (!fs::exists(target_, code)) {
+    fs::rename(folder_, target_, code);
+    if (code) throw FailedError(target_.string(), "can't be written: " + code.message(), "check the folder");
+  } else {
+    for (const std::string& file : files) {
+      fs::rename(folder_ / file, target_ / file, code);
+      if (code) throw FailedError((target_ / file).string(), "can't be written: " + code.message(), "check the folder");
+    }
+  }
+  committed_ = true;
+}
+
+}  // namespace calot

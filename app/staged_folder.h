@@ -1,0 +1,30 @@
+// Several files that appear together or not at all.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace calot {
+
+/// A folder beside the target, filled first and put in the target's place when whole; removed if left uncommitted.
+class StagedFolder {
+ public:
+  /// Throws InputError if the target exists and is no folder. Touches nothing.
+  explicit StagedFolder(std::filesystem::path target);
+  ~StagedFolder();
+  StagedFolder(const StagedFolder&) = delete;
+  StagedFolder& operator=(const StagedFolder&) = delete;
+
+  /// Makes the folder to fill. Throws FailedError.
+  const std::filesystem::path& open();
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+  /// Renames the folder; where the target exists already, renames the files into it, in this order.
+  void commit(const std::vector<std::string>& files);
+
+ private:
+  std::filesystem::path target_, folder_;
+  std::filesystem::path made_;  // the topmost parent that had to be made; empty if none
+  bool committed_ = false;
+};
+
+}  // namespace calot
