@@ -1,0 +1,25 @@
+// The one door to CGAL's mesher (Mesh_3), which takes long to compile: nothing of CGAL is seen here.
+#pragma once
+#include <Eigen/Geometry>
+#include <functional>
+#include <vector>
+
+#include "calot/mesh/tet_mesh.h"
+
+namespace calot {
+
+/// What is meshed.
+struct MeshingProblem {
+  std::function<int(const Vec3&)> region;   ///< of a point [m]; 0 outside
+  std::function<double(const Vec3&)> edge;  ///< wanted edge length at a point [m]; may throw to stop the work
+  Eigen::AlignedBox3d box;                  ///< holds every region, with room around it [m]
+  std::vector<Vec3> seeds;                  ///< points inside the regions; every region needs some, thin ones too
+};
+
+/// Meshes the regions conformingly by Delaunay refinement; where `optimise`, slivers are then removed by perturbing
+/// vertices and exuding (both without a time limit, so that the result never depends on the machine's load). The same
+/// problem gives the same mesh. Tets are positively oriented; regions as in the problem. Source: [Jamin2015] CGALmesh;
+/// CGAL 5.5, 3D Mesh Generation.
+TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise);
+
+}  // namespace calot

@@ -1,0 +1,63 @@
+#include "calot/patient/markups.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "calot/base/files.h"
+
+namespace calot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Millimetres, to the micrometre: what a person reads and a diff shows.
+double in_mm(double metres) {
+  return std::round(metres * 1e6) / 1e3;
+}
+
+Json control_points(const Centreline& line) {
+  Json points = Json::array();
+  for (std::size_t p = 0; p < line.points.size(); ++p) {
+    const Vec3& x = line.points[p];
+    points.push_back({{"id", std::to_string(p + 1)},
+                      {"label", line.name + "-" + std::to_string(p + 1)},
+                      {"position", {in_mm(x[0]), in_mm(x[1]), in_mm(x[2])}},
+                      {"selected", true},
+                      {"locked", false},
+                      {"visibility", true},
+                      {"positionStatus", "defined"}});
+  }
+  return points;
+}
+
+Json curve(const Centreline& line) {
+  Json radii = Json::array();
+  for (const double r : line.radii) radii.push_back(in_mm(r));
+  return {{"type", "Curve"},
+          {"name", line.name},
+          {"coordinateSystem", "RAS"},
+          {"coordinateUnits", "mm"},
+          {"controlPoints", control_points(line)},
+          {"measurements",
+           {{{"name", "length"}, {"enabled", true}, {"value", in_mm(length(line))}, {"units", "mm"}},
+            {{"name", "radius"}, {"enabled", true}, {"units", "mm"}, {"controlPointValues", radii}}}}};
+}
+
+}  // namespace
+
+double length(const Centreline& line) {
+  double sum = 0;
+  for (std::size_t p = 1; p < line.points.size(); ++p) sum += (line.points[p] - line.points[p - 1]).norm();
+  return sum;
+}
+
+void write_markups(const std::filesystem::path& path, const std::vector<Centreline>& lines) {
+  Json file{{"@schema",
+             "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/"
+             "markups-schema-v1.0.3.json#"},
+            {"markups", Json::array()}};
+  for (const Centreline& line : lines) file["markups"].push_back(curve(line));
+  write_file(path, [&](std::ostream& out) { out << file.dump(1) << '\n'; });
+}
+
+}  // namespace calot

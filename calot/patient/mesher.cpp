@@ -1,0 +1,289 @@
+#include "calot/patient/mesher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "calot/base/error.h"
+#include "calot/mesh/parts.h"
+#include "calot/patient/cgal_mesh.h"
+#include "calot/patient/label_field.h"
+#include "calot/patient/mesh_repair.h"
+#include "calot/patient/size_field.h"
+
+namespace calot {
+namespace {
+
+std::string text(const char* format, auto... values) {
+  std::array<char, 300> line{};
+  std::snprintf(line.data(), line.size(), format, values...);
+  return line.data();
+}
+
+void check(const MesherOptions& options) {
+  if (options.vertices < 50) throw InputError("vertices", "are fewer than 50", "ask for more");
+  if (!(options.tolerance > 0 && options.tolerance < 1)) throw InputError("tolerance", "isn't between 0 and 1");
+  if (options.tries < 1) throw InputError("tries", "are fewer than 1");
+  for (const Refinement& r : options.refine)
+    if (!(r.edge > 0) || !std::isfinite(r.edge))
+      throw InputError("refine", "an edge length isn't positive", "give millimetres, e.g. 3:1.0");
+}
+
+/// Points inside every region, spread over its voxels.
+std::vector<Vec3> seeds_in(const LabelField& field) {
+  constexpr std::size_t per_region = 24;
+  std::vector<std::vector<std::size_t>> voxels(field.labels().size());
+  for (std::size_t v = 0; v < field.regions().size(); ++v)
+    if (field.regions()[v] > 0) voxels[field.regions()[v] - 1u].push_back(v);
+  std::vector<Vec3> seeds;
+  const auto& size = field.size();
+  for (std::size_t r = 0; r < voxels.size(); ++r)
+    for (std::size_t s = 0; s < per_region; ++s) {
+      const std::size_t v = voxels[r][(2 * s + 1) * voxels[r].size() / (2 * per_region)];
+      const Vec3 at = field.spacing().cwiseProduct(Vec3(static_cast<double>(v % size[0]),
+                                                        static_cast<double>(v / size[0] % size[1]),
+                                                        static_cast<double>(v / (size[0] * size[1]))));
+      if (field.at(at) == static_cast<int>(r + 1)) seeds.push_back(at);
+    }
+  return seeds;
+}
+
+/// The search for sizes and boundary shifts that give the wanted vertex count and volumes.
+class Search {
+ public:
+  Search(const LabelMap& map, const MesherOptions& options, Progress& progress)
+      : options_(options),
+        progress_(progress),
+        field_(map, options.labels, options.smoothing),
+        seeds_(seeds_in(field_)) {
+    const double voxel = field_.spacing().prod();
+    for (const RegionCleaning& label : field_.cleaning())
+      wanted_volume_.push_back(static_cast<double>(label.voxels) * voxel);
+    thickness_ = region_thickness(field_);
+    for (const double thickness : thickness_) base_edge_.push_back(std::sqrt(thickness));
+    fixed_.assign(base_edge_.size(), false);
+    for (const Refinement& r : options.refine) {
+      const auto at = std::find(options.labels.begin(), options.labels.end(), r.label);
+      if (at == options.labels.end())
+        throw InputError("refine", "label " + std::to_string(r.label) + " isn't meshed", "choose it as well");
+      fixed_[static_cast<std::size_t>(at - options.labels.begin())] = true;
+      base_edge_[static_cast<std::size_t>(at - options.labels.begin())] = r.edge;
+    }
+  }
+
+  TetMesh run();
+  [[nodiscard]] int tries() const { return tries_; }
+  [[nodiscard]] const LabelField& field() const { return field_; }
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  struct Point {
+    double log_factor, log_vertices;
+  };
+  struct Candidate {
+    TetMesh mesh;
+    double worst_volume = 0, min_dihedral = 0;  // relative; degrees
+    std::vector<std::string> notes;
+  };
+  [[nodiscard]] std::vector<double> edges(double factor) const;
+  [[nodiscard]] double first_factor() const;
+  Candidate attempt(double factor, bool optimise);
+  bool shift_boundaries(Candidate& candidate);
+  [[nodiscard]] bool better(const Candidate& a, const Candidate& b) const;
+  [[noreturn]] void report_failure() const;
+  [[nodiscard]] double next_log_factor() const;
+  [[nodiscard]] double away_from_earlier(double log_factor) const;
+  [[nodiscard]] bool counts_match(std::size_t vertices, double part) const {
+    const auto wanted = static_cast<double>(options_.vertices);
+    return std::abs(static_cast<double>(vertices) - wanted) <= part * options_.tolerance * wanted;
+  }
+
+  const MesherOptions& options_;
+  Progress& progress_;
+  LabelField field_;
+  std::vector<Vec3> seeds_;
+  std::vector<double> wanted_volume_, thickness_, base_edge_;
+  std::vector<bool> fixed_;
+  std::vector<Point> history_;
+  std::vector<std::string> notes_;
+  int tries_ = 0;
+};
+
+std::vector<double> Search::edges(double factor) const {
+  std::vector<double> result = base_edge_;
+  for (std::size_t r = 0; r < result.size(); ++r)
+    if (!fixed_[r]) result[r] *= factor;
+  return result;
+}
+
+double Search::first_factor() const {
+  double low = std::log(1e-5), high = std::log(10.0);
+  for (int step = 0; step < 50; ++step) {
+    const double middle = (low + high) / 2;
+    (estimated_vertices(field_, edges(std::exp(middle))) > static_cast<double>(options_.vertices) ? low : high) =
+        middle;
+  }
+  return (low + high) / 2;
+}
+
+Search::Candidate Search::attempt(double factor, bool optimise) {
+  ++tries_;
+  const SizeField sizes(field_, edges(factor));
+  const Vec3 extent = field_.spacing().cwiseProduct(Vec3(static_cast<double>(field_.size()[0] - 1),
+                                                         static_cast<double>(field_.size()[1] - 1),
+                                                         static_cast<double>(field_.size()[2] - 1)));
+  MeshingProblem problem;
+  problem.region = [&](const Vec3& p) { return field_.at(p); };
+  problem.edge = [&](const Vec3& p) {
+    if (progress_.stop_requested()) throw Interrupted();
+    return sizes.at(p);
+  };
+  problem.box = Eigen::AlignedBox3d(Vec3::Zero(), extent);
+  problem.seeds = seeds_;
+  Candidate candidate;
+  candidate.mesh = cgal_mesh(problem, optimise);
+  candidate.notes = repair_regions(candidate.mesh, field_.labels().size());
+  candidate.min_dihedral = quality(candidate.mesh).min_dihedral;
+  return candidate;
+}
+
+/// Moves each region's boundary by what its volume lacks. Returns whether nothing is left to be gained that way.
+bool Search::shift_boundaries(Candidate& candidate) {
+  const TetMesh& mesh = candidate.mesh;
+  std::vector<double> volume(wanted_volume_.size(), 0.0);
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+    volume[static_cast<std::size_t>(mesh.regions[t]) - 1] += signed_volume(mesh, TetId(t));
+  bool settled = true;
+  for (std::size_t r = 0; r < volume.size(); ++r) {
+    const double lack = (wanted_volume_[r] - volume[r]) / wanted_volume_[r];
+    candidate.worst_volume = std::max(candidate.worst_volume, std::abs(lack));
+    if (volume[r] <= 0 || tries_ > options_.tries / 2) continue;  // later, only the vertex count is searched for
+    // Surface = 4 volume / thickness, so the boundary must move by lack · thickness / 4 [voxels], over which the
+    // smoothed field falls by about two thirds; a bias is a difference of two fields, so it counts twice.
+    const double move = lack * thickness_[r] / 4 / field_.spacing().mean();
+    const double before = field_.bias(r + 1), after = std::clamp(before + 1.3 * move, -0.4, 0.5);
+    field_.set_bias(r + 1, after);
+    if (std::abs(lack) > 0.015 && std::abs(after - before) > 0.01) settled = false;
+  }
+  return settled;
+}
+
+/// Regula falsi while the goal is bracketed, extrapolation along the last slope before.
+double Search::next_log_factor() const {
+  const double goal = std::log(static_cast<double>(options_.vertices));
+  const Point& last = history_.back();
+  std::optional<Point> fine,
+      coarse;  // nearest to the goal from above and from below; late ones know the boundaries better
+  for (const Point& p : history_) {
+    if (p.log_vertices >= goal && (!fine || p.log_vertices <= fine->log_vertices)) fine = p;
+    if (p.log_vertices < goal && (!coarse || p.log_vertices >= coarse->log_vertices)) coarse = p;
+  }
+  if (fine && coarse && fine->log_factor < coarse->log_factor) {
+    const double part = (fine->log_vertices - goal) / (fine->log_vertices - coarse->log_vertices);
+    return fine->log_factor + std::clamp(part, 0.1, 0.9) * (coarse->log_factor - fine->log_factor);
+  }
+  constexpr double usual_slope = -2.3;  // between surface and volume
+  return last.log_factor + std::clamp((goal - last.log_vertices) / usual_slope, -0.7, 0.5);
+}
+
+/// Counts jump by several per cent between neighbouring sizes, so a size that was tried already is worth no second try:
+/// take one beside it.
+double Search::away_from_earlier(double log_factor) const {
+  for (const Point& p : history_)
+    if (std::abs(p.log_factor - log_factor) < 0.0015) return log_factor + 0.004 * tries_ * (tries_ % 2 == 0 ? 1 : -1);
+  return log_factor;
+}
+
+/// Better meshes are those with the wanted angles, and of these the ones with the right volumes.
+bool Search::better(const Candidate& a, const Candidate& b) const {
+  const bool a_sound = a.min_dihedral >= options_.min_dihedral, b_sound = b.min_dihedral >= options_.min_dihedral;
+  if (a_sound != b_sound) return a_sound;
+  return a_sound ? a.worst_volume < b.worst_volume : a.min_dihedral > b.min_dihedral;
+}
+
+void Search::report_failure() const {
+  const Point* nearest = &history_.front();
+  const double goal = std::log(static_cast<double>(options_.vertices));
+  for (const Point& p : history_)
+    if (std::abs(p.log_vertices - goal) < std::abs(nearest->log_vertices - goal)) nearest = &p;
+  const double vertices = std::round(std::exp(nearest->log_vertices));
+  throw FailedError(
+      "mesh", text("no mesh with %zu vertices in %d tries; the nearest had %.0f", options_.vertices, tries_, vertices),
+      vertices > static_cast<double>(options_.vertices)
+          ? "ask for more vertices, coarser refinement or fewer labels: thin regions need a least number"
+          : "ask for fewer vertices");
+}
+
+TetMesh Search::run() {
+  double log_factor = first_factor();
+  std::optional<Candidate> best;
+  bool near = false;
+  while (tries_ < options_.tries) {
+    progress_.at(static_cast<double>(tries_) / options_.tries);
+    Candidate candidate = attempt(std::exp(log_factor), near);
+    const std::size_t vertices = candidate.mesh.vertex_count();
+    const bool settled = shift_boundaries(candidate);
+    const bool closed = check_manifold(boundary_surface(candidate.mesh)).closed_manifold();
+    history_.push_back({log_factor, std::log(static_cast<double>(std::max<std::size_t>(vertices, 1)))});
+    const bool usable = near && closed && counts_match(vertices, 1);
+    const bool good = settled && candidate.min_dihedral >= options_.min_dihedral;
+    if (usable && (!best || better(candidate, *best))) best = std::move(candidate);
+    if (usable && good) break;
+    near = counts_match(vertices, 3);  // slivers are worth removing only then
+    log_factor = away_from_earlier(next_log_factor());
+  }
+  if (!best) report_failure();
+  notes_ = std::move(best->notes);
+  return std::move(best->mesh);
+}
+
+MeshedRegion describe(const LabelMap& map, const LabelField& field, std::size_t r, const TetMesh& mesh) {
+  MeshedRegion region;
+  region.label = field.labels()[r];
+  if (const auto name = map.names.find(region.label); name != map.names.end()) region.name = name->second;
+  const RegionCleaning& cleaning = field.cleaning()[r];
+  region.voxels = cleaning.voxels;
+  region.specks = cleaning.specks;
+  region.moved_voxels = cleaning.moved;
+  region.voxel_volume = static_cast<double>(cleaning.voxels) * map.grid.voxel_volume();
+  region.quality = quality(mesh, region.label);
+  return region;
+}
+
+}  // namespace
+
+LabelMesh mesh_labels(const LabelMap& map, const MesherOptions& asked, Progress& progress) {
+  check(asked);
+  MesherOptions options = asked;
+  if (options.labels.empty())
+    for (const auto& [label, count] : voxel_counts(map)) options.labels.push_back(label);
+  if (options.labels.empty()) throw InputError("labels", "the map has no label but background", "give a segmentation");
+  progress.phase("meshing");
+  Search search(map, options, progress);
+  LabelMesh result;
+  result.mesh = search.run();
+  result.tries = search.tries();
+  result.notes = search.notes();
+  for (Vec3& p : result.mesh.positions) p = search.field().to_world() * p;
+  orient(result.mesh);
+  for (std::int32_t& region : result.mesh.regions)
+    region = search.field().labels()[static_cast<std::size_t>(region) - 1];
+  for (const Label label : options.labels)
+    if (const auto name = map.names.find(label); name != map.names.end())
+      result.mesh.region_names[label] = name->second;
+  for (std::size_t r = 0; r < options.labels.size(); ++r) {
+    result.regions.push_back(describe(map, search.field(), r, result.mesh));
+    const MeshedRegion& region = result.regions.back();
+    if (region.specks > 0)
+      result.notes.push_back(
+          text("label %s: %zu specks (%zu voxels) beside its largest part were given to what surrounds them",
+               label_text(map, region.label).c_str(), region.specks, region.moved_voxels));
+  }
+  result.quality = quality(result.mesh);
+  result.outer = check_manifold(boundary_surface(result.mesh));
+  progress.at(1);
+  return result;
+}
+
+}  // namespace calot

@@ -1,0 +1,31 @@
+// Voxel volumes in patient space.
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace calot {
+
+/// Where the voxels of a volume lie. Voxel (i, j, k) is number i + size[0]·(j + size[1]·k).
+struct VoxelGrid {
+  std::array<std::size_t, 3> size{};                       ///< voxels along i, j, k
+  Eigen::Affine3d to_world = Eigen::Affine3d::Identity();  ///< (i, j, k) of a voxel's centre → RAS [m]; no shear
+
+  [[nodiscard]] std::size_t count() const { return size[0] * size[1] * size[2]; }
+  [[nodiscard]] std::size_t index(std::size_t i, std::size_t j, std::size_t k) const {
+    return i + size[0] * (j + size[1] * k);
+  }
+  /// Edge lengths of a voxel along i, j, k [m].
+  [[nodiscard]] Eigen::Vector3d spacing() const { return to_world.linear().colwise().norm(); }
+  /// Volume of one voxel [m³].
+  [[nodiscard]] double voxel_volume() const { return std::abs(to_world.linear().determinant()); }
+};
+
+/// A CT image.
+struct CtImage {
+  VoxelGrid grid;
+  std::vector<std::int16_t> hounsfield;  ///< grid.count() values [HU]
+};
+
+}  // namespace calot
