@@ -18,9 +18,11 @@ struct MeshFile {
 /// Reads a tetrahedral mesh, format by ending (.msh, .vtu, .vtk), and checks it with `validate`.
 /// @param scale  metres per file unit, e.g. 1e-3 for millimetres; > 0
 /// Region numbers come from Gmsh's physical groups (entity numbers where there are none) or from a cell array named
-/// "region", "gmsh:physical", "medit:ref", "label" or "material" (any case); names from $PhysicalNames or a field array
-/// "region_names". Inverted tets are an error unless all are inverted (some tools wind the other way; then all are
-/// turned). Throws InputError naming file and line (or byte offset, or XML element) for anything wrong.
+/// "region", "gmsh:physical", "medit:ref", "label", "material" or "CellEntityIds" (any case, the first of these); names
+/// from $PhysicalNames or the field arrays "region_ids" and "region_names" (docs/formats.md). Surface elements are left
+/// out and counted in `notes`; so are vertices that no tet uses, which are kept. Inverted tets are an error unless all
+/// are inverted (some tools wind the other way; then all are turned). Throws InputError naming file and line (or byte,
+/// or XML element) for anything wrong, two vertices at the same place included.
 MeshFile read_mesh(const std::filesystem::path& path, double scale = 1.0);
 
 enum class MeshFormat {
@@ -44,14 +46,20 @@ struct VertexArray {
   std::vector<double> values;  ///< n × components
 };
 
-/// Writes a mesh (whole or not at all). Coordinates are written so that they read back bit for bit.
-/// Arrays go into .vtu and .vtk as point data, into .msh as $NodeData. The two-argument form chooses the format by the
-/// ending: .msh → msh22 (ascii), .vtu → vtu_zlib, .vtk → vtk_binary.
+/// Writes a mesh (whole or not at all; the same bytes every time). Coordinates read back bit for bit. Throws InputError
+/// for a mesh without tets, numbers out of range, positions that aren't finite, and names with quotes or control
+/// characters. Arrays go into .vtu and .vtk as point data, into .msh as $NodeData. The two-argument form chooses the
+/// format by the ending: .msh → msh22 (ascii), .vtu → vtu_zlib, .vtk → vtk_binary.
 void write_mesh(const std::filesystem::path& path, const TetMesh& mesh, const std::vector<VertexArray>& arrays = {});
 void write_mesh(const std::filesystem::path& path, const TetMesh& mesh, MeshFormat format,
                 const std::vector<VertexArray>& arrays = {});
 
+/// Reads a triangle surface, format by ending (.stl, .obj, .ply). Polygons become fans of triangles; in .stl, which has
+/// no shared vertices, corners at exactly the same place become one. Regions come from .obj groups named region_N and
+/// from a .ply face property "region". Throws InputError naming file and line (or byte) for anything wrong.
+/// @param scale  metres per file unit; > 0
 Surface read_surface(const std::filesystem::path& path, double scale = 1.0);
+/// Writes a surface; reads back bit for bit, except that binary .stl holds single precision only.
 /// By ending: .stl → stl_binary, .obj → obj, .ply → ply_binary.
 void write_surface(const std::filesystem::path& path, const Surface& surface);
 void write_surface(const std::filesystem::path& path, const Surface& surface, SurfaceFormat format);

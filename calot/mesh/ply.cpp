@@ -172,7 +172,7 @@ void PlyReader::read_face(const Element& element) {
     for (std::size_t i = 0; i < items; ++i) {
       const double value = number(property.type);
       if (property.name == "region" && !property.count_type) {
-        region = to_region(value, in_.where());
+        region = to_region(value, in_);
         has_regions_ = true;
       }
       if (!is_corners || !property.count_type) continue;

@@ -76,14 +76,14 @@ std::string pack_names(const std::map<std::int32_t, std::string>& names) {
 }
 
 std::map<std::int32_t, std::string> unpack_names(const std::vector<std::int64_t>& ids, std::string_view packed,
-                                                 const std::string& where) {
+                                                 const Cursor& at) {
   std::map<std::int32_t, std::string> names;
   for (const std::int64_t id : ids) {
     const std::size_t end = packed.find('\0');
     if (end == std::string_view::npos)
-      throw InputError(where, "fewer region names than the " + std::to_string(ids.size()) + " region_ids",
-                       "end each name with a zero byte");
-    names.emplace(to_region(static_cast<double>(id), where), std::string(packed.substr(0, end)));
+      at.fail("fewer region names than the " + std::to_string(ids.size()) + " region_ids",
+              "end each name with a zero byte");
+    names.emplace(to_region(static_cast<double>(id), at), std::string(packed.substr(0, end)));
     packed.remove_prefix(end + 1);
   }
   return names;
@@ -98,10 +98,10 @@ int region_array_rank(std::string_view name) {
   return found == known.end() ? 0 : static_cast<int>(found - known.begin()) + 1;
 }
 
-std::int32_t to_region(double value, const std::string& where) {
-  if (!(value >= std::numeric_limits<std::int32_t>::min() && value <= std::numeric_limits<std::int32_t>::max()) ||
-      value != std::floor(value))
-    throw InputError(where, "region " + std::to_string(value), "regions are whole 32-bit numbers");
+std::int32_t to_region(double value, const Cursor& at) {
+  constexpr std::numeric_limits<std::int32_t> limits;
+  if (!(value >= limits.min() && value <= limits.max()) || value != std::floor(value))
+    at.fail("region " + std::to_string(value), "regions are whole 32-bit numbers");
   return static_cast<std::int32_t>(value);
 }
 

@@ -39,13 +39,13 @@ MeshFile finish(RawMesh raw, const std::string& name, double scale);
 /// Region names as bytes, each ended by a zero, parallel to the ids: how .vtu and .vtk carry them (docs/formats.md).
 std::string pack_names(const std::map<std::int32_t, std::string>& names);
 std::map<std::int32_t, std::string> unpack_names(const std::vector<std::int64_t>& ids, std::string_view packed,
-                                                 const std::string& where);
+                                                 const Cursor& at);
 
 /// How well the name of a cell array says "region": 0 not at all, smaller positive numbers are better.
 int region_array_rank(std::string_view name);
 
-/// A region number from a file's number, which may be a whole floating-point number.
-std::int32_t to_region(double value, const std::string& where);
+/// A region number from a file's number, which may be a whole floating-point number. Fails at the cursor.
+std::int32_t to_region(double value, const Cursor& at);
 
 // The readers of volume meshes, from memory. `name` is the file's name for messages.
 MeshFile parse_msh(std::string_view bytes, const std::string& name, double scale);

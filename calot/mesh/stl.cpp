@@ -60,7 +60,7 @@ std::vector<Vec3> read_binary(Cursor& in) {
 
 void expect(Cursor& in, std::string_view word) {
   if (const std::string_view found = in.token("a word"); found != word)
-    in.fail("\"" + std::string(word) + "\" expected, not " + in_quotes(found));
+    in.fail(in_quotes(word) + " expected, not " + in_quotes(found));
 }
 
 /// facet normal x y z / outer loop / three vertices / endloop / endfacet; several solids may follow one another.

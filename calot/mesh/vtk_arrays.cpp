@@ -131,36 +131,37 @@ void add_vtk_cells(const VtkCells& cells, std::size_t first_vertex, std::size_t 
     at.fail(std::to_string(cells.regions.size()) + " regions for " + std::to_string(count) + " cells");
   std::int64_t begin = 0;
   for (std::size_t i = 0; i < count; begin = cells.ends[i], ++i) {
-    const std::string cell = "cell " + std::to_string(i);
+    const auto refuse = [&](const std::string& what) { at.fail("cell " + std::to_string(i) + what); };
     if (cells.ends[i] < begin || std::uint64_t(cells.ends[i]) > cells.connectivity.size())
-      at.fail("the offset " + std::to_string(cells.ends[i]) + " of " + cell + " lies outside its connectivity");
-    if (cells.types[i] < 0 || cells.types[i] > 255)
-      at.fail("unknown type " + std::to_string(cells.types[i]) + " of " + cell);
+      refuse(" ends at " + std::to_string(cells.ends[i]) + ", outside the connectivity");
+    if (cells.types[i] < 0 || cells.types[i] > 255) refuse(" has the unknown type " + std::to_string(cells.types[i]));
     const int type = static_cast<int>(cells.types[i]);
     const ElementKind kind = vtk_cell(type);
-    if (!is_wanted(kind, type, at)) {
+    const bool wanted = is_wanted(kind, type, at);
+    if (kind.nodes != 0 && cells.ends[i] - begin != kind.nodes)
+      refuse(" has " + std::to_string(cells.ends[i] - begin) + " vertices, " + kind.name + " have " +
+             std::to_string(kind.nodes));
+    if (!wanted) {
       ++raw.ignored[kind.name];
       continue;
     }
-    if (cells.ends[i] - begin != 4)
-      at.fail(cell + " is a tetrahedron with " + std::to_string(cells.ends[i] - begin) + " vertices");
     Tet tet;
     for (int c = 0; c < 4; ++c) {
       const std::int64_t v = cells.connectivity[std::size_t(begin) + std::size_t(c)];
       if (v < 0 || std::uint64_t(v) >= vertices)
-        at.fail(cell + " names vertex " + std::to_string(v) + " of " + std::to_string(vertices));
+        refuse(" names vertex " + std::to_string(v) + " of " + std::to_string(vertices));
       tet[c] = VertexId(first_vertex + std::size_t(v));
     }
     raw.mesh.tets.push_back(tet);
-    raw.mesh.regions.push_back(cells.regions.empty() ? 0 : to_region(cells.regions[i], at.where()));
+    raw.mesh.regions.push_back(cells.regions.empty() ? 0 : to_region(cells.regions[i], at));
   }
 }
 
-std::map<std::int32_t, std::string> RegionNames::unpack(const std::string& where) const {
+std::map<std::int32_t, std::string> RegionNames::unpack(const Cursor& at) const {
   if (!packed) return {};
   if (ids.empty() && !packed->empty())
-    throw InputError(where, "region_names without region_ids", "give the region number of each name in region_ids");
-  return unpack_names(ids, *packed, where);
+    at.fail("region_names without region_ids", "give the region number of each name in region_ids");
+  return unpack_names(ids, *packed, at);
 }
 
 std::string percent_encode(std::string_view name) {

@@ -39,7 +39,7 @@ void add_vtk_cells(const VtkCells& cells, std::size_t first_vertex, std::size_t 
 struct RegionNames {
   std::vector<std::int64_t> ids;
   std::optional<std::string> packed;
-  [[nodiscard]] std::map<std::int32_t, std::string> unpack(const std::string& where) const;
+  [[nodiscard]] std::map<std::int32_t, std::string> unpack(const Cursor& at) const;
 };
 
 /// Spaces and other unprintable characters as %XX, which is how legacy .vtk writes names; and back.

@@ -285,7 +285,7 @@ RawMesh VtkReader::read() {
   in_.set_section("");
   if (!has_points_) in_.fail("no POINTS", "the file is cut short or empty; export it again");
   add_vtk_cells(cells_, 0, raw_.mesh.vertex_count(), in_, raw_);
-  raw_.mesh.region_names = names_.unpack(in_.where());
+  raw_.mesh.region_names = names_.unpack(in_);
   return std::move(raw_);
 }
 

@@ -152,7 +152,7 @@ void VtuReader::read_names(pugi::xml_node grid) {
     names.packed.emplace();
     for (const std::int64_t c : arrays_.read<std::int64_t>(array)) *names.packed += static_cast<char>(c);
   }
-  raw_.mesh.region_names = names.unpack(arrays_.at(fields).where());
+  raw_.mesh.region_names = names.unpack(arrays_.at(fields));
 }
 
 RawMesh VtuReader::read() {
