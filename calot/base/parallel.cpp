@@ -1,5 +1,6 @@
 #include "calot/base/parallel.h"
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -22,6 +23,7 @@ int default_threads() {
 
 std::mutex arena_mutex;
 std::unique_ptr<tbb::task_arena> arena;
+std::unique_ptr<tbb::global_control> limit;  // lets more threads than cores run when asked for, as tests do
 
 thread_local std::unique_ptr<tbb::task_arena> background_arena;
 
@@ -36,7 +38,10 @@ tbb::task_arena& current_arena() {
 
 void set_thread_count(int count) {
   const std::lock_guard lock(arena_mutex);
-  arena = std::make_unique<tbb::task_arena>(std::max(1, count));
+  const int threads = std::max(1, count);
+  limit.reset();
+  limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  arena = std::make_unique<tbb::task_arena>(threads);
 }
 
 int thread_count() { return current_arena().max_concurrency(); }

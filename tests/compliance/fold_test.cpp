@@ -1,6 +1,7 @@
 // Background folds: what is answered never depends on when the background is done.
 #include <gtest/gtest.h>
 
+#include "calot/mesh/parts.h"
 #include "tests/support/accuracy.h"
 
 namespace calot {
@@ -58,20 +59,23 @@ TEST_P(Fold, AnswersDoNotDependOnWhenTheBackgroundIsDone) {
 TEST_P(Fold, ASeveredPartDoesNotMoveToTheLastBit) {
   Model model = test::biliary_model(0.02);
   Compliance compliance = precompute(model, {GetParam()});
-  const StiffnessChange change = model.apply({test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.018 && c.x() < 0.022; }), {}, {}});
+  const StiffnessChange change = model.apply({test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }), {}, {}});
   compliance.update(change);
+  ASSERT_GE(face_connected_parts(model.mesh()).count(), 2u);
   for (const bool folded : {false, true}) {
     if (folded) compliance.fold();
     VertexId left = VertexId::none(), right = VertexId::none();
     for (std::size_t v = 0; v < model.mesh().vertex_count(); ++v) {
       if (model.is_fixed(VertexId(v))) continue;
-      if (model.mesh().positions[v].x() < 0.015) left = VertexId(v);
-      if (model.mesh().positions[v].x() > 0.025) right = VertexId(v);
+      if (model.mesh().positions[v].x() < 0.012) left = VertexId(v);
+      if (model.mesh().positions[v].x() > 0.026) right = VertexId(v);
     }
     const Displacements u = compliance.solve({{left, {0.1, 0.2, -0.3}}});
     EXPECT_GT(u[left.index()].norm(), 0);
     for (std::size_t v = 0; v < u.size(); ++v)
-      if (model.mesh().positions[v].x() > 0.0225) EXPECT_EQ(u[v], Vec3(0, 0, 0));
+      if (model.mesh().positions[v].x() > 0.021) {
+        EXPECT_EQ(u[v], Vec3(0, 0, 0));
+      }
     const DofId a = dof_of(left, 0), b = dof_of(right, 0);
     EXPECT_EQ(compliance.block(std::vector{a}, std::vector{b})(0, 0), 0);
   }
@@ -87,7 +91,7 @@ TEST_P(Fold, RefreshStartsAfresh) {
 }
 
 INSTANTIATE_TEST_SUITE_P(BothHomes, Fold, testing::Values(Backend::dense, Backend::sparse),
-                         [](const auto& info) { return info.param == Backend::dense ? "dense" : "sparse"; });
+                         [](const auto& tested) { return tested.param == Backend::dense ? "dense" : "sparse"; });
 
 }  // namespace
 }  // namespace calot

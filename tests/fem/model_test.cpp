@@ -106,7 +106,9 @@ TEST(Model, PatchTest) {
   double largest = 0;
   for (const double value : f) largest = std::max(largest, std::abs(value));
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    if (inside(mesh.positions[v])) EXPECT_LT(Eigen::Map<Vec3>(f.data() + 3 * v).norm(), 1e-11 * largest);
+    if (inside(mesh.positions[v])) {
+      EXPECT_LT(Eigen::Map<Vec3>(f.data() + 3 * v).norm(), 1e-11 * largest);
+    }
 }
 
 TEST(Model, RefusesWhatHasNoMeaning) {
