@@ -1,5 +1,7 @@
 // Everything the library's users need, in one include.
 #pragma once
+#include "calot/base/error.h"
+#include "calot/base/parallel.h"
 #include "calot/compliance/compliance.h"
 #include "calot/compliance/compliance_file.h"
 #include "calot/cut/cut.h"
