@@ -28,6 +28,11 @@ void use_one_thread() {
   std::call_once(once, [] { openblas_set_num_threads(1); });
 }
 
+void set_threads(int count) {
+  use_one_thread();
+  openblas_set_num_threads(count);
+}
+
 std::string kernel_name() {
   std::string config = openblas_get_config();
   return std::string(openblas_get_corename()) + " (" + config.substr(0, config.find(' ', 9)) + ")";

@@ -8,6 +8,8 @@ namespace calot::blas {
 
 /// Must be in force before any call; the first factor or matrix of a process sees to it.
 void use_one_thread();
+/// For measuring LAPACK against us only: threads inside each call.
+void set_threads(int count);
 /// The name of the kernel set that OpenBLAS chose for this processor, and its version.
 std::string kernel_name();
 

@@ -1,0 +1,114 @@
+// A blade that goes on: about ten tets a step, sixty steps, through the duct again and again.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <thread>
+
+#include "bench/accuracy.h"
+#include "bench/benchmarks.h"
+#include "bench/organ.h"
+#include "calot/base/error.h"
+
+namespace calot::bench {
+namespace {
+
+constexpr std::size_t steps = 60, tets_a_step = 10;
+// A fold starts when so many rows wait, and is adopted so many steps later: fixed, so that a replay has the same bits.
+constexpr std::size_t fold_at_rank = 90, adopt_after = 18;
+
+// The tets to remove, in the order in which blades crossing the duct at several places reach them (old numbers).
+std::vector<std::vector<TetId>> blade_path(const Organ& organ) {
+  const TetMesh& mesh = organ.model.mesh();
+  const Vec3 across = organ.axis.unitOrthogonal();
+  std::vector<TetId> order;
+  std::vector<std::uint8_t> taken(mesh.tet_count(), 0);
+  for (std::size_t plane = 0; order.size() < steps * tets_a_step && plane < 40; ++plane) {
+    // Places spread over the duct, each a little away from those before.
+    const double along = (0.15 + 0.7 * static_cast<double>(plane * 7 % 20 + plane / 20) / 20 - 0.5) * organ.length;
+    const Edit edit = cut(mesh, Plane{organ.middle + along * organ.axis, organ.axis}, {organ.duct, false});
+    std::vector<std::pair<double, TetId>> reached;
+    for (const TetId t : edit.removed) {
+      double depth = 0;
+      for (const VertexId v : mesh.tet(t)) depth += across.dot(mesh.position(v));
+      if (!taken[t.index()]) reached.emplace_back(depth, t);
+    }
+    std::sort(reached.begin(), reached.end());
+    for (const auto& [depth, t] : reached) {
+      taken[t.index()] = 1;
+      order.push_back(t);
+    }
+  }
+  if (order.size() < steps * tets_a_step)
+    throw FailedError("", "the duct has too few tets for 60 steps of 10 (" + std::to_string(order.size()) + ")",
+                      "use a finer mesh");
+  std::vector<std::vector<TetId>> path;
+  for (std::size_t s = 0; s < steps; ++s)
+    path.emplace_back(order.begin() + static_cast<std::ptrdiff_t>(s * tets_a_step),
+                      order.begin() + static_cast<std::ptrdiff_t>((s + 1) * tets_a_step));
+  return path;
+}
+
+}  // namespace
+
+std::vector<Row> bench_gradual(const BenchOptions& options) {
+  const Organ organ = make_organ(options);
+  const std::vector<std::vector<TetId>> path = blade_path(organ);
+  Compliance compliance = precompute(organ.model);
+  // The matrix that folds are written to is made before the operation begins, as a simulation would.
+  Model model = organ.model;
+  std::vector<TetId> now(organ.model.mesh().tet_count());  // original tet → current
+  for (std::size_t t = 0; t < now.size(); ++t) now[t] = TetId(t);
+  std::vector<double> milliseconds, ranks;
+  std::size_t folds = 0, fold_started = 0;
+  bool folding = false;
+  double smallest = 1;
+  if (options.progress) options.progress->phase("cutting step by step");
+  for (std::size_t s = 0; s < steps; ++s) {
+    const auto frame_end = std::chrono::steady_clock::now() + std::chrono::microseconds(16667);
+    TopologyEdit edit;
+    for (const TetId t : path[s]) edit.removed.push_back(now[t.index()]);
+    std::sort(edit.removed.begin(), edit.removed.end());
+    StiffnessChange change;
+    milliseconds.push_back(1e3 * seconds_of([&] {
+                             change = model.apply(edit);
+                             smallest = std::min(smallest, compliance.update(change).smallest_eigenvalue);
+                             const std::vector<DofId> dofs = query_dofs(change, model.mesh().vertex_count());
+                             (void)compliance.block(dofs, dofs);
+                             if (folding && s - fold_started >= adopt_after) {
+                               compliance.adopt_fold();
+                               folding = false;
+                               ++folds;
+                             }
+                             if (!folding && compliance.pending_rank() >= fold_at_rank) {
+                               compliance.start_fold();
+                               folding = true;
+                               fold_started = s;
+                             }
+                           }));
+    ranks.push_back(static_cast<double>(compliance.pending_rank()));
+    for (TetId& t : now)
+      if (t.valid()) t = change.remap.tet_to_new[t.index()];
+    if (options.progress) options.progress->at(static_cast<double>(s + 1) / steps);
+    std::this_thread::sleep_until(frame_end);
+  }
+  const Compliance reference = precompute(model, {Backend::sparse});
+  std::vector<DofId> dofs;
+  for (std::size_t k = 0; k < 60; ++k)
+    dofs.push_back(dof_of(VertexId(k * 7919 % model.mesh().vertex_count()), static_cast<int>(k % 3)));
+  const double recompute = 1e3 * seconds_of([&] { (void)precompute(model); });
+  Row step = distribution_row("gradual.step", "ms", milliseconds);
+  step.baseline = "recomputing the matrix at each step";
+  step.ratio = *step.p99 / recompute;
+  step.goal = 2;
+  Row error = {.name = "gradual.error",
+               .value = worst_column(compliance, reference, dofs),
+               .unit = "1",
+               .baseline = "a refined recomputation after step 60, worst column; the bound is max(1e-9, 10 eps kappa)",
+               .goal = error_bound(reference)};
+  Row rank = distribution_row("gradual.pending_rank", "1", ranks);
+  Row fold_count = {.name = "gradual.folds", .value = static_cast<double>(folds), .unit = "1"};
+  Row probe = {.name = "gradual.probe", .value = compliance.probe(), .unit = "1"};
+  Row eigenvalue = {.name = "gradual.smallest_eigenvalue", .value = smallest, .unit = "1"};
+  return {step, error, rank, fold_count, probe, eigenvalue};
+}
+
+}  // namespace calot::bench

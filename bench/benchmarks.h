@@ -1,0 +1,14 @@
+// The benchmarks themselves; each is described in benches.cpp.
+#pragma once
+#include "bench/bench.h"
+
+namespace calot::bench {
+
+std::vector<Row> bench_precompute(const BenchOptions& options);
+std::vector<Row> bench_cut(const BenchOptions& options);
+std::vector<Row> bench_gradual(const BenchOptions& options);
+std::vector<Row> bench_growth(const BenchOptions& options);
+std::vector<Row> bench_figure4(const BenchOptions& options);
+std::vector<Row> bench_figure5(const BenchOptions& options);
+
+}  // namespace calot::bench

@@ -1,0 +1,32 @@
+// One cut, three answers: recomputed, by the paper's update, and exactly.
+#pragma once
+#include "bench/organ.h"
+#include "calot/compliance/compliance.h"
+
+namespace calot::bench {
+
+/// How far one displacement field is from another, over all vertices [m].
+struct Distance {
+  double max = 0, mean = 0, std = 0;
+};
+Distance distance_between(const Displacements& a, const Displacements& b);
+
+/// u = C f [m] of a full matrix, as it stands.
+Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces);
+
+struct ThreeWays {
+  Model after;  ///< the cut model
+  StiffnessChange change;
+  Compliance recomputed, exact;
+  FullCompliance paper;
+  double recompute_seconds = 0;  ///< from the mesh
+  double paper_seconds = 0;      ///< Algorithms 1 and 2 in memory
+  double exact_seconds = 0;      ///< until a block of 60 dofs is answered
+};
+
+ThreeWays cut_three_ways(const Model& model, const Edit& edit, Progress* progress);
+
+/// The paper's whole way: SOFA's file is read, updated, written, and read again as the scene is reloaded [s].
+double paper_through_files(const Model& model, const Edit& edit);
+
+}  // namespace calot::bench
