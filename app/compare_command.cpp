@@ -71,15 +71,9 @@ void write_csv(const std::filesystem::path& path, const nlohmann::ordered_json& 
   });
 }
 
-/// 1, 2 or 5 times a power of ten that makes the peak displacement about a tenth of the organ; 1 if it is large
-/// already.
-double magnification(const Comparison& comparison) {
-  Vec3 low = comparison.mesh.positions.front(), high = low;
-  for (const Vec3& p : comparison.mesh.positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double wanted = comparison.peak > 0 ? 0.1 * (high - low).norm() / comparison.peak : 1;
+/// 1, 2 or 5 times a power of ten that makes the peak displacement about a tenth of the size; 1 if it is large already.
+double magnification(double peak, double size) {
+  const double wanted = peak > 0 ? 0.1 * size / peak : 1;
   if (wanted <= 2) return 1;
   const double power = std::pow(10, std::floor(std::log10(wanted)));
   for (const double digit : {5.0, 2.0})
@@ -87,33 +81,41 @@ double magnification(const Comparison& comparison) {
   return power;
 }
 
-std::vector<Vec3> displaced(const TetMesh& mesh, const Displacements& u, double factor) {
-  std::vector<Vec3> positions = mesh.positions;
-  for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += factor * u[v];
+double diagonal(const TetMesh& mesh) {
+  Vec3 low = mesh.positions.front(), high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).norm();
+}
+
+/// Where the surface goes, `factor` times as far; `lift` [m] outwards, so that of two surfaces in one place the upper
+/// shows.
+std::vector<Vec3> displaced(const Surface& surface, const Displacements& u, double factor, double lift) {
+  std::vector<Vec3> positions = surface.positions;
+  for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += factor * u[surface.vertex_of_mesh[v].index()];
+  const std::vector<Vec3> normals = vertex_normals(surface, positions);
+  for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += lift * normals[v];
   return positions;
 }
 
 /// Two pictures: the paper's answer and the exact one, each over the recomputed one.
 void write_overlay(const std::filesystem::path& path, const Comparison& comparison) {
   const Surface surface = boundary_surface(comparison.mesh);
-  const double factor = magnification(comparison);
+  const double size = diagonal(comparison.mesh), factor = magnification(comparison.peak, size), lift = 2e-3 * size;
   const auto& [recompute, paper, exact] = comparison.methods;
-  const std::vector<Vec3> truth = displaced(comparison.mesh, recompute.u, factor);
-  const std::vector<Vec3> paper_places = displaced(comparison.mesh, paper.u, factor),
-                          exact_places = displaced(comparison.mesh, exact.u, factor);
-  const PictureItem below{.surface = &surface, .positions = truth, .color = {0.25, 0.45, 0.80}, .label = "recomputed"};
-  const PictureItem of_paper{.surface = &surface,
-                             .positions = paper_places,
-                             .color = {0.90, 0.45, 0.15},
-                             .opacity = 0.5,
-                             .label = "paper's update"};
-  const PictureItem of_exact{.surface = &surface,
-                             .positions = exact_places,
-                             .color = {0.20, 0.65, 0.35},
-                             .opacity = 0.5,
-                             .label = "exact update"};
+  const std::vector<Vec3> truth = displaced(surface, recompute.u, factor, 0),
+                          by_paper = displaced(surface, paper.u, factor, lift),
+                          exactly = displaced(surface, exact.u, factor, lift);
+  const auto item = [&](const std::vector<Vec3>& positions, const Vec3& color, double opacity, const char* label) {
+    return PictureItem{.surface = &surface, .positions = positions, .color = color, .opacity = opacity, .label = label};
+  };
+  const PictureItem below = item(truth, {0.25, 0.45, 0.80}, 1, "recomputed");
+  const PictureItem of_paper = item(by_paper, {0.90, 0.45, 0.15}, 0.5, "paper's update");
+  const PictureItem of_exact = item(exactly, {0.20, 0.65, 0.35}, 0.5, "exact update");
   PictureOptions options{.width = 960, .height = 960, .frame = frame_of({below, of_paper, of_exact})};
-  options.caption = "displacements magnified " + number_text(factor) + " times";
+  if (factor != 1) options.caption = "displacements magnified " + number_text(factor) + " times";
   options.title = "paper: up to " + number_text(mm * paper.distance.max, 3) + " mm off";
   const Image left = render_picture({below, of_paper}, options);
   options.title = "exact: up to " + number_text(mm * exact.distance.max, 3) + " mm off";
