@@ -103,8 +103,8 @@ TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise) {
   CGAL::refine_mesh_3(complex, domain, criteria, CGAL::parameters::no_reset_c3t3(), CGAL::parameters::no_perturb(),
                       CGAL::parameters::no_exude());
   if (optimise) {
-    CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 14);
-    CGAL::exude_mesh_3(complex, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 14);
+    CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 13);
+    CGAL::exude_mesh_3(complex, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 13);
   }
   return to_mesh(complex);
 }

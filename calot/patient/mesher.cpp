@@ -158,13 +158,13 @@ bool Search::shift_boundaries(Candidate& candidate) {
   for (std::size_t r = 0; r < volume.size(); ++r) {
     const double lack = (wanted_volume_[r] - volume[r]) / wanted_volume_[r];
     candidate.worst_volume = std::max(candidate.worst_volume, std::abs(lack));
-    if (volume[r] <= 0 || tries_ > options_.tries / 2) continue;  // later, only the vertex count is searched for
+    if (volume[r] <= 0 || tries_ > options_.tries / 3) continue;  // later, only the vertex count is searched for
     // Surface = 4 volume / thickness, so the boundary must move by lack · thickness / 4 [voxels], over which the
     // smoothed field falls by about two thirds; a bias is a difference of two fields, so it counts twice.
     const double move = lack * thickness_[r] / 4 / field_.spacing().mean();
     const double before = field_.bias(r + 1), after = std::clamp(before + 1.3 * move, -0.4, 0.5);
     field_.set_bias(r + 1, after);
-    if (std::abs(lack) > 0.015 && std::abs(after - before) > 0.01) settled = false;
+    if (std::abs(lack) > 0.02 && std::abs(after - before) > 0.02) settled = false;
   }
   return settled;
 }
@@ -191,7 +191,7 @@ double Search::next_log_factor() const {
 /// take one beside it.
 double Search::away_from_earlier(double log_factor) const {
   for (const Point& p : history_)
-    if (std::abs(p.log_factor - log_factor) < 0.0015) return log_factor + 0.004 * tries_ * (tries_ % 2 == 0 ? 1 : -1);
+    if (std::abs(p.log_factor - log_factor) < 0.0015) return log_factor + 0.0012 * tries_ * (tries_ % 2 == 0 ? 1 : -1);
   return log_factor;
 }
 

@@ -23,7 +23,7 @@ struct MesherOptions {
   double tolerance = 0.03;
   std::vector<Refinement> refine;  ///< the other regions' sizes give way to meet `vertices`
   double smoothing = 0.5;          ///< σ of the Gaussian on the labels, in voxels, 0 … 2
-  double min_dihedral = 10;        ///< wanted [°]; a mesh below it is returned only if no try was better
+  double min_dihedral = 12;        ///< wanted [°]; a mesh below it is returned only if no try was better
   int tries = 16;                  ///< bound on meshes made in the search, ≥ 1
 };
 

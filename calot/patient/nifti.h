@@ -1,4 +1,4 @@
-// The header of a NIfTI-1 file, which tells more than ITK hands on: names of labels, and what is wrong with the file.
+// NIfTI-1 files: the header with its extensions (which name the labels), and what is wrong with one.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -16,9 +16,16 @@ struct NiftiHeader {
   std::map<Label, std::string> names;  ///< from the extensions
 };
 
-/// Reads and checks the header, the extensions and that the file holds as many voxels as it says.
+/// A file with its voxels still as they are stored.
+struct NiftiFile {
+  NiftiHeader header;
+  bool swapped = false;  ///< the file has the other byte order
+  std::string voxels;    ///< exactly as many bytes as the header's voxels take
+};
+
+/// Reads a file, checks its header and that it holds as many voxels as it says.
 /// Throws InputError for everything that `read_label_map` lists, but the values of the voxels.
-NiftiHeader read_nifti_header(const std::filesystem::path& path);
+NiftiFile read_nifti(const std::filesystem::path& path);
 
 /// The names of labels in the extensions of a header: the bytes from 348 up to the voxels. Any bytes are safe.
 /// @param swapped  the file has the other byte order

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <pugixml.hpp>
 #include <vector>
@@ -72,6 +73,12 @@ class Unpacker {
     return taken;
   }
 
+  /// Whether nothing but a whole end follows, or more than a megabyte that nobody asked for.
+  bool ends_well() {
+    constexpr std::size_t enough = std::size_t{1} << 20;
+    return take(enough, nullptr) == enough || ended_;
+  }
+
  private:
   void feed() {
     if (stream_.avail_in > 0) return;
@@ -133,7 +140,9 @@ std::array<std::size_t, 3> read_size(const Fields& fields, const std::string& wh
 
 Eigen::Affine3d qform(const Fields& fields) {
   const double b = fields.at<float>(256), c = fields.at<float>(260), d = fields.at<float>(264);
-  const double a = std::sqrt(std::max(0.0, 1 - b * b - c * c - d * d));
+  // A half turn has a = 0; what single precision leaves of 1 − b² − c² − d² must not become an angle.
+  const double rest = 1 - b * b - c * c - d * d;
+  const double a = rest < 3 * std::numeric_limits<float>::epsilon() ? 0.0 : std::sqrt(rest);
   const double handed = fields.at<float>(76) < 0 ? -1 : 1;
   const Eigen::Vector3d spacing(fields.at<float>(80), fields.at<float>(84), handed * fields.at<float>(88));
   Eigen::Affine3d affine = Eigen::Affine3d::Identity();
@@ -269,7 +278,7 @@ std::map<Label, std::string> label_names_in_extensions(std::string_view bytes, b
   return names;
 }
 
-NiftiHeader read_nifti_header(const std::filesystem::path& path) {
+NiftiFile read_nifti(const std::filesystem::path& path) {
   const std::string where = path.string();
   const std::string file = read_file(path);
   const bool packed = file.size() >= 2 && file[0] == '\x1f' && file[1] == '\x8b';
@@ -280,18 +289,23 @@ NiftiHeader read_nifti_header(const std::filesystem::path& path) {
   if (packed) unpacker.emplace(file, where);
   std::string head = packed ? std::string() : file.substr(0, header_size);
   if (packed) unpacker->take(header_size, &head);
-  const bool swapped = is_swapped(head, where);
-  NiftiHeader header = check_header(head, swapped, where);
-  const std::size_t offset = voxel_offset(Fields(head, swapped), where);
+  NiftiFile nifti;
+  nifti.swapped = is_swapped(head, where);
+  nifti.header = check_header(head, nifti.swapped, where);
+  const std::size_t offset = voxel_offset(Fields(head, nifti.swapped), where);
   if (packed)
     unpacker->take(offset - header_size, &head);
   else
     head = file.substr(0, offset);
   if (head.size() < offset) too_short(where);
-  header.names = label_names_in_extensions(std::string_view(head).substr(header_size), swapped, where);
-  const std::size_t body = header.grid.count() * bytes_of_type(header.datatype, where);
-  if ((packed ? unpacker->take(body, nullptr) : file.size() - offset) < body) too_short(where);
-  return header;
+  nifti.header.names = label_names_in_extensions(std::string_view(head).substr(header_size), nifti.swapped, where);
+  const std::size_t body = nifti.header.grid.count() * bytes_of_type(nifti.header.datatype, where);
+  if (packed)
+    unpacker->take(body, &nifti.voxels);
+  else
+    nifti.voxels = file.substr(offset, body);
+  if (nifti.voxels.size() < body || (packed && !unpacker->ends_well())) too_short(where);
+  return nifti;
 }
 
 }  // namespace calot

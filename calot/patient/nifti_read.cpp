@@ -1,8 +1,10 @@
-#include <itkImage.h>
-#include <itkImageFileReader.h>
-#include <itkNiftiImageIO.h>
-
+// Voxels of NIfTI files. Decoded here, not by ITK: ITK 5.2 refuses sforms whose axes are at right angles only to the
+// seven digits that the file stores (docs/decisions/0003-meshing.md).
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <type_traits>
 
 #include "calot/base/error.h"
 #include "calot/patient/nifti.h"
@@ -10,55 +12,57 @@
 namespace calot {
 namespace {
 
-/// Decodes the voxels. ITK's own geometry (LPS, mm) is left aside: the affine comes from the checked header, because
-/// ITK takes the qform in cases where every other tool takes the sform.
-template <class T>
-typename itk::Image<T, 3>::Pointer decode(const std::string& path) {
-  itk::Object::SetGlobalWarningDisplay(false);  // its warnings go to stderr; ours are errors with a reason
-  auto reader = itk::ImageFileReader<itk::Image<T, 3>>::New();
-  reader->SetImageIO(itk::NiftiImageIO::New());
-  reader->SetFileName(path);
-  try {
-    reader->Update();
-  } catch (const itk::ExceptionObject& error) {
-    throw InputError(path, std::string("can't be read: ") + error.GetDescription(), "export the file again");
-  }
-  return reader->GetOutput();
+[[noreturn]] void no_label(const std::string& where, std::size_t voxel, double value) {
+  throw InputError(where,
+                   "voxel " + std::to_string(voxel) + " has the value " + std::to_string(value) + ", which is no label",
+                   "give a segmentation: whole numbers from 0 to 65535");
 }
 
 template <class T>
-std::vector<Label> labels_of(const std::string& path, std::size_t count) {
-  const auto image = decode<T>(path);
-  if (image->GetBufferedRegion().GetNumberOfPixels() != count)
-    throw InputError(path, "holds another number of voxels than its header says", "export the file again");
-  const T* values = image->GetBufferPointer();
-  std::vector<Label> labels(count);
-  for (std::size_t v = 0; v < count; ++v) {
-    const auto value = static_cast<double>(values[v]);
-    if (!(value >= 0 && value <= 65535) || value != std::floor(value))
-      throw InputError(path,
-                       "voxel " + std::to_string(v) + " has the value " + std::to_string(value) + ", which is no label",
-                       "give a segmentation: whole numbers from 0 to 65535");
+std::vector<Label> labels_of(const NiftiFile& file, const std::string& where) {
+  std::vector<Label> labels(file.header.grid.count());
+  for (std::size_t v = 0; v < labels.size(); ++v) {
+    std::array<char, sizeof(T)> raw{};
+    std::memcpy(raw.data(), file.voxels.data() + v * sizeof(T), sizeof(T));
+    if (file.swapped) std::reverse(raw.begin(), raw.end());
+    const double value = file.header.slope * static_cast<double>(std::bit_cast<T>(raw)) + file.header.intercept;
+    if (!(value >= 0 && value <= 65535) || value != std::floor(value)) no_label(where, v, value);
     labels[v] = static_cast<Label>(value);
   }
   return labels;
 }
 
-/// Whether 32-bit whole numbers hold every value of the file.
-bool fits_int32(const NiftiHeader& header) {
-  const int t = header.datatype;
-  return header.slope == 1 && header.intercept == 0 && (t == 2 || t == 4 || t == 8 || t == 256 || t == 512);
+/// By NIFTI_TYPE_…; the header was checked to have one of these.
+std::vector<Label> decode(const NiftiFile& file, const std::string& where) {
+  switch (file.header.datatype) {
+    case 2:
+      return labels_of<std::uint8_t>(file, where);
+    case 4:
+      return labels_of<std::int16_t>(file, where);
+    case 8:
+      return labels_of<std::int32_t>(file, where);
+    case 16:
+      return labels_of<float>(file, where);
+    case 64:
+      return labels_of<double>(file, where);
+    case 256:
+      return labels_of<std::int8_t>(file, where);
+    case 512:
+      return labels_of<std::uint16_t>(file, where);
+    case 768:
+      return labels_of<std::uint32_t>(file, where);
+    case 1024:
+      return labels_of<std::int64_t>(file, where);
+    default:
+      return labels_of<std::uint64_t>(file, where);
+  }
 }
 
 }  // namespace
 
 LabelMap read_label_map(const std::filesystem::path& path) {
-  NiftiHeader header = read_nifti_header(path);
-  const std::size_t count = header.grid.count();
-  LabelMap map{header.grid, {}, std::move(header.names)};
-  map.voxels =
-      fits_int32(header) ? labels_of<std::int32_t>(path.string(), count) : labels_of<double>(path.string(), count);
-  return map;
+  NiftiFile file = read_nifti(path);
+  return {file.header.grid, decode(file, path.string()), std::move(file.header.names)};
 }
 
 }  // namespace calot
