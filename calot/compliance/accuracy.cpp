@@ -27,7 +27,9 @@ MatrixXd on_free_slots(const Compliance::Impl& impl, const std::function<double(
   return x;
 }
 
-double absolute_sum(const MatrixXd& x) { return x.cwiseAbs().sum(); }
+double absolute_sum(const MatrixXd& x) {
+  return x.cwiseAbs().sum();
+}
 
 // The norm of the free rows and columns only: fixed ones are not part of the system.
 double norm1_of_free(const Compliance::Impl& impl) {
@@ -49,11 +51,13 @@ double Compliance::probe(std::uint64_t seed) const {
   const MatrixXd z = on_free_slots(*impl_, [&] { return random_in_one(state); });
   const MatrixXd x = impl_->apply(z, 0);
   MatrixXd residual(z.rows(), 1);
-  impl_->stiffness.multiply({x.data(), static_cast<std::size_t>(x.size())}, {residual.data(), static_cast<std::size_t>(residual.size())});
+  impl_->stiffness.multiply({x.data(), static_cast<std::size_t>(x.size())},
+                            {residual.data(), static_cast<std::size_t>(residual.size())});
   double sum = 0;
   for (std::size_t s = 0; s < impl_->slots(); ++s)
     if (impl_->row_of_slot[s] >= 0 && !impl_->dead[s])
-      sum += (residual.block<3, 1>(static_cast<Index>(3 * s), 0) - z.block<3, 1>(static_cast<Index>(3 * s), 0)).squaredNorm();
+      sum += (residual.block<3, 1>(static_cast<Index>(3 * s), 0) - z.block<3, 1>(static_cast<Index>(3 * s), 0))
+                 .squaredNorm();
   return z.size() ? std::sqrt(sum) / std::max(z.norm(), 1e-300) : 0;
 }
 
@@ -69,7 +73,9 @@ double Compliance::condition() const {
     if (step > 0 && sum <= estimate) break;
     estimate = sum;
     std::size_t k = 0;
-    const MatrixXd signs = on_free_slots(*impl_, [] { return 1.0; }).cwiseProduct(y.unaryExpr([](double v) { return v < 0 ? -1.0 : 1.0; }));
+    const MatrixXd signs = on_free_slots(*impl_, [] {
+                             return 1.0;
+                           }).cwiseProduct(y.unaryExpr([](double v) { return v < 0 ? -1.0 : 1.0; }));
     Index largest = 0;
     impl_->apply(signs, 1).col(0).cwiseAbs().maxCoeff(&largest);
     k = static_cast<std::size_t>(largest);

@@ -10,17 +10,21 @@ char* openblas_get_corename(void);
 char* openblas_get_config(void);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
-void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* piv, int* rank, const double* tol, double* work,
-             int* info, std::size_t);
-void dtrtri_(const char* uplo, const char* diag, const int* n, double* a, const int* lda, int* info, std::size_t, std::size_t);
+void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* piv, int* rank, const double* tol,
+             double* work, int* info, std::size_t);
+void dtrtri_(const char* uplo, const char* diag, const int* n, double* a, const int* lda, int* info, std::size_t,
+             std::size_t);
 void dlauum_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
 }
 
-
 namespace calot::blas {
 namespace {
-int as_int(std::size_t n) { return static_cast<int>(n); }
-CBLAS_TRANSPOSE transpose(char op) { return op == 'T' ? CblasTrans : CblasNoTrans; }
+int as_int(std::size_t n) {
+  return static_cast<int>(n);
+}
+CBLAS_TRANSPOSE transpose(char op) {
+  return op == 'T' ? CblasTrans : CblasNoTrans;
+}
 }  // namespace
 
 void use_one_thread() {
@@ -38,17 +42,18 @@ std::string kernel_name() {
   return std::string(openblas_get_corename()) + " (" + config.substr(0, config.find(' ', 9)) + ")";
 }
 
-void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda,
-          const double* b, std::size_t ldb, double beta, double* c, std::size_t ldc) {
+void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, double alpha, const double* a,
+          std::size_t lda, const double* b, std::size_t ldb, double beta, double* c, std::size_t ldc) {
   if (m == 0 || n == 0) return;
-  cblas_dgemm(CblasColMajor, transpose(op_a), transpose(op_b), as_int(m), as_int(n), as_int(k), alpha, a, as_int(lda), b,
-              as_int(ldb), beta, c, as_int(ldc));
+  cblas_dgemm(CblasColMajor, transpose(op_a), transpose(op_b), as_int(m), as_int(n), as_int(k), alpha, a, as_int(lda),
+              b, as_int(ldb), beta, c, as_int(ldc));
 }
 
 void syrk(char op, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda, double beta, double* c,
           std::size_t ldc) {
   if (n == 0) return;
-  cblas_dsyrk(CblasColMajor, CblasLower, transpose(op), as_int(n), as_int(k), alpha, a, as_int(lda), beta, c, as_int(ldc));
+  cblas_dsyrk(CblasColMajor, CblasLower, transpose(op), as_int(n), as_int(k), alpha, a, as_int(lda), beta, c,
+              as_int(ldc));
 }
 
 void trsm(char side, char op, std::size_t m, std::size_t n, double alpha, const double* l, std::size_t ldl, double* b,

@@ -14,8 +14,8 @@ void set_threads(int count);
 std::string kernel_name();
 
 /// C ← alpha·op(A) op(B) + beta·C; C m×n, inner dimension k. op is 'N' or 'T'.
-void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda,
-          const double* b, std::size_t ldb, double beta, double* c, std::size_t ldc);
+void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, double alpha, const double* a,
+          std::size_t lda, const double* b, std::size_t ldb, double beta, double* c, std::size_t ldc);
 /// Lower triangle of C ← alpha·op(A) op(A)ᵀ + beta·C; C n×n, inner dimension k. op 'N': A n×k, 'T': A k×n.
 void syrk(char op, std::size_t n, std::size_t k, double alpha, const double* a, std::size_t lda, double beta, double* c,
           std::size_t ldc);

@@ -34,7 +34,8 @@ std::vector<std::uint32_t> Compliance::Impl::rows_of(std::span<const DofId> dofs
   for (const DofId dof : dofs) {
     const VertexId vertex = vertex_of(dof);
     if (vertex.index() >= slot_of_vertex.size())
-      throw InputError("vertex " + std::to_string(vertex.value), "is not in the mesh of " + std::to_string(slot_of_vertex.size()) + " vertices",
+      throw InputError("vertex " + std::to_string(vertex.value),
+                       "is not in the mesh of " + std::to_string(slot_of_vertex.size()) + " vertices",
                        "numbers count from 0");
     const std::int32_t first = row_of_slot[slot_of_vertex[vertex.index()]];
     rows.push_back(first < 0 ? no_row : static_cast<std::uint32_t>(first) + dof.value % 3);
@@ -42,32 +43,12 @@ std::vector<std::uint32_t> Compliance::Impl::rows_of(std::span<const DofId> dofs
   return rows;
 }
 
-void Compliance::Impl::regroup() {
-  std::vector<std::uint32_t> root(slots());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
-  for (std::uint32_t v = 0; v < slots(); ++v) {
-    if (row_of_slot[v] < 0 || dead[v]) continue;
-    for (std::uint32_t k = stiffness.row_start[v]; k < stiffness.row_start[v + 1]; ++k) {
-      const std::uint32_t u = stiffness.column[k];
-      if (u >= v || row_of_slot[u] < 0 || dead[u] || stiffness.block[k].isZero(0)) continue;
-      const std::uint32_t a = find(u), b = find(v);
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  group.resize(slots());
-  for (std::uint32_t v = 0; v < slots(); ++v) group[v] = row_of_slot[v] < 0 || dead[v] ? no_group : find(v);
-}
-
 MatrixXd Compliance::Impl::to_rows(const MatrixXd& x) const {
   MatrixXd result(static_cast<Index>(3 * slot_of_row.size()), x.cols());
   for (Index j = 0; j < x.cols(); ++j)
     for (std::size_t r = 0; r < slot_of_row.size(); ++r)
       result.col(j).segment<3>(static_cast<Index>(3 * r)) =
-          dead[slot_of_row[r]] ? Vec3::Zero() : Vec3(x.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])));
+          !in_base(slot_of_row[r]) ? Vec3::Zero() : Vec3(x.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])));
   return result;
 }
 
@@ -75,7 +56,9 @@ MatrixXd Compliance::Impl::to_slots(const MatrixXd& x) const {
   MatrixXd result = MatrixXd::Zero(static_cast<Index>(3 * slots()), x.cols());
   for (Index j = 0; j < x.cols(); ++j)
     for (std::size_t r = 0; r < slot_of_row.size(); ++r)
-      if (!dead[slot_of_row[r]]) result.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])) = x.col(j).segment<3>(static_cast<Index>(3 * r));
+      if (in_base(slot_of_row[r]))
+        result.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])) =
+            x.col(j).segment<3>(static_cast<Index>(3 * r));
   return result;
 }
 
@@ -87,9 +70,26 @@ void silence_other_groups(const Compliance::Impl& impl, const MatrixXd& forces, 
   for (Index j = 0; j < x.cols(); ++j) {
     std::fill(pushed.begin(), pushed.end(), std::uint8_t{0});
     for (std::size_t s = 0; s < impl.slots(); ++s)
-      if (impl.group[s] != no_group && !forces.col(j).segment<3>(static_cast<Index>(3 * s)).isZero(0)) pushed[impl.group[s]] = 1;
+      if (impl.group[s] != no_group && !forces.col(j).segment<3>(static_cast<Index>(3 * s)).isZero(0))
+        pushed[impl.group[s]] = 1;
     for (std::size_t s = 0; s < impl.slots(); ++s)
       if (impl.group[s] == no_group || !pushed[impl.group[s]]) x.col(j).segment<3>(static_cast<Index>(3 * s)).setZero();
+  }
+}
+
+}  // namespace
+
+namespace {
+
+void add_islands(const Compliance::Impl& impl, const MatrixXd& forces, MatrixXd& x) {
+  for (const Island& island : impl.islands) {
+    MatrixXd f(static_cast<Index>(3 * island.slots.size()), forces.cols());
+    for (std::size_t k = 0; k < island.slots.size(); ++k)
+      f.middleRows<3>(static_cast<Index>(3 * k)) = forces.middleRows<3>(static_cast<Index>(3 * island.slots[k]));
+    if (f.isZero(0)) continue;
+    const MatrixXd u = island.inverse * f;
+    for (std::size_t k = 0; k < island.slots.size(); ++k)
+      x.middleRows<3>(static_cast<Index>(3 * island.slots[k])) += u.middleRows<3>(static_cast<Index>(3 * k));
   }
 }
 
@@ -98,15 +98,18 @@ void silence_other_groups(const Compliance::Impl& impl, const MatrixXd& forces, 
 MatrixXd Compliance::Impl::apply(const MatrixXd& forces, int refinements) const {
   blas::use_one_thread();
   MatrixXd x = to_slots(correction.apply(*base, to_rows(forces)));
+  add_islands(*this, forces, x);
   silence_other_groups(*this, forces, x);
   MatrixXd residual(x.rows(), x.cols());
   for (int pass = 0; pass < refinements; ++pass) {
     parallel_for(static_cast<std::size_t>(x.cols()), [&](std::size_t j) {
       const auto c = static_cast<Index>(j);
-      stiffness.multiply({x.col(c).data(), static_cast<std::size_t>(x.rows())}, {residual.col(c).data(), static_cast<std::size_t>(x.rows())});
+      stiffness.multiply({x.col(c).data(), static_cast<std::size_t>(x.rows())},
+                         {residual.col(c).data(), static_cast<std::size_t>(x.rows())});
       residual.col(c) = forces.col(c) - residual.col(c);
     });
     x += to_slots(correction.apply(*base, to_rows(residual)));
+    add_islands(*this, residual, x);
     silence_other_groups(*this, forces, x);
   }
   return x;
@@ -115,9 +118,9 @@ MatrixXd Compliance::Impl::apply(const MatrixXd& forces, int refinements) const 
 namespace {
 
 // Factors Â, and inverts it for a dense home; `into` is a matrix to write over, if it has the right size.
-std::unique_ptr<ComplianceBase> make_base(Backend backend, const std::shared_ptr<const FactorPattern>& pattern, const BlockMatrix& stiffness,
-                                          std::span<const std::uint8_t> active, std::span<const std::uint8_t> dead, Buffer into,
-                                          Progress* progress) {
+std::unique_ptr<ComplianceBase> make_base(Backend backend, const std::shared_ptr<const FactorPattern>& pattern,
+                                          const BlockMatrix& stiffness, std::span<const std::uint8_t> active,
+                                          std::span<const std::uint8_t> dead, Buffer into, Progress* progress) {
   if (progress) progress->phase("factoring");
   SparseFactor factor(pattern, stiffness, active, dead, progress);
   if (backend == Backend::sparse) return std::make_unique<SparseBase>(std::move(factor));
@@ -143,6 +146,8 @@ void Compliance::Impl::lay_out_rows() {
     row_of_slot[slot_of_row[p]] = static_cast<std::int32_t>(3 * p);
   }
   correction = Correction(3 * slot_of_row.size());
+  islands.clear();
+  island_of_slot.assign(slots(), -1);
   regroup();
 }
 
@@ -152,12 +157,15 @@ void Compliance::Impl::build(Progress* progress) {
   const std::size_t n = 3 * pattern->vertices();
   if (backend == Backend::dense) base.reset();  // Its memory is needed for the new matrix.
   spare = {};
-  require_memory(pattern->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0), "the compliance");
+  require_memory(
+      pattern->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0),
+      "the compliance");
   base = make_base(backend, pattern, stiffness, active, {}, {}, progress);
 }
 
-// A fold computes C anew from the cut Â, in the pattern analysed before. That is as quick as adding the correction to the
-// matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind: docs/decisions/0010-fold-by-refactoring.md.
+// A fold computes C anew from the cut Â, in the pattern analysed before. That is as quick as adding the correction to
+// the matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind:
+// docs/decisions/0010-fold-by-refactoring.md.
 std::function<std::unique_ptr<ComplianceBase>()> Compliance::Impl::fold_work() {
   return [backend = backend, pattern = pattern, stiffness = stiffness, active = active, dead = dead,
           into = std::make_shared<Buffer>(std::move(spare))]() {
@@ -178,28 +186,41 @@ Compliance::Compliance(Compliance&&) noexcept = default;
 Compliance& Compliance::operator=(Compliance&&) noexcept = default;
 Compliance::~Compliance() = default;
 
-Backend Compliance::backend() const { return impl_->backend; }
-std::size_t Compliance::vertex_count() const { return impl_->slot_of_vertex.size(); }
+Backend Compliance::backend() const {
+  return impl_->backend;
+}
+std::size_t Compliance::vertex_count() const {
+  return impl_->slot_of_vertex.size();
+}
 
 MatrixXd Compliance::block(std::span<const DofId> rows, std::span<const DofId> columns) const {
   blas::use_one_thread();
   const std::vector<std::uint32_t> all_rows = impl_->rows_of(rows), all_columns = impl_->rows_of(columns);
-  std::vector<std::uint32_t> free_rows, free_columns;
-  std::copy_if(all_rows.begin(), all_rows.end(), std::back_inserter(free_rows), [](std::uint32_t r) { return r != no_row; });
-  std::copy_if(all_columns.begin(), all_columns.end(), std::back_inserter(free_columns), [](std::uint32_t r) { return r != no_row; });
-  const MatrixXd found = impl_->correction.block(*impl_->base, free_rows, free_columns);
+  const auto slot_of = [&](std::uint32_t row) { return impl_->slot_of_row[row / 3]; };
+  const auto asked_of_base = [&](std::uint32_t row) {
+    return row != no_row && impl_->island_of_slot[slot_of(row)] < 0;
+  };
+  std::vector<std::uint32_t> base_rows, base_columns;
+  std::copy_if(all_rows.begin(), all_rows.end(), std::back_inserter(base_rows), asked_of_base);
+  std::copy_if(all_columns.begin(), all_columns.end(), std::back_inserter(base_columns), asked_of_base);
+  const MatrixXd found = impl_->correction.block(*impl_->base, base_rows, base_columns);
   MatrixXd result = MatrixXd::Zero(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
   Index c = 0;
   for (std::size_t j = 0; j < all_columns.size(); ++j) {
     if (all_columns[j] == no_row) continue;
-    const std::uint32_t group = impl_->group[impl_->slot_of_row[all_columns[j] / 3]];
+    const std::uint32_t column_slot = slot_of(all_columns[j]), group = impl_->group[column_slot];
     Index r = 0;
     for (std::size_t i = 0; i < all_rows.size(); ++i) {
       if (all_rows[i] == no_row) continue;
-      if (impl_->group[impl_->slot_of_row[all_rows[i] / 3]] == group) result(static_cast<Index>(i), static_cast<Index>(j)) = found(r, c);
-      ++r;
+      const std::uint32_t row_slot = slot_of(all_rows[i]);
+      double& entry = result(static_cast<Index>(i), static_cast<Index>(j));
+      if (impl_->group[row_slot] == group)
+        entry = impl_->island_of_slot[row_slot] >= 0
+                    ? impl_->island_entry(row_slot, all_rows[i] % 3, column_slot, all_columns[j] % 3)
+                    : found(r, c);
+      if (impl_->island_of_slot[row_slot] < 0) ++r;
     }
-    ++c;
+    if (impl_->island_of_slot[column_slot] < 0) ++c;
   }
   return result;
 }
@@ -207,11 +228,13 @@ MatrixXd Compliance::block(std::span<const DofId> rows, std::span<const DofId> c
 MatrixXd Compliance::apply(const MatrixXd& forces, int refinements) const {
   const std::size_t n = vertex_count();
   if (static_cast<std::size_t>(forces.rows()) != 3 * n)
-    throw InputError("forces", "have " + std::to_string(forces.rows()) + " rows for " + std::to_string(n) + " vertices", "give three a vertex");
+    throw InputError("forces", "have " + std::to_string(forces.rows()) + " rows for " + std::to_string(n) + " vertices",
+                     "give three a vertex");
   MatrixXd at_slots = MatrixXd::Zero(static_cast<Index>(3 * impl_->slots()), forces.cols());
   for (std::size_t v = 0; v < n; ++v) {
     const std::uint32_t slot = impl_->slot_of_vertex[v];
-    if (!impl_->fixed[slot]) at_slots.middleRows<3>(static_cast<Index>(3 * slot)) = forces.middleRows<3>(static_cast<Index>(3 * v));
+    if (!impl_->fixed[slot])
+      at_slots.middleRows<3>(static_cast<Index>(3 * slot)) = forces.middleRows<3>(static_cast<Index>(3 * v));
   }
   const MatrixXd x = impl_->apply(at_slots, refinements);
   MatrixXd result(forces.rows(), forces.cols());
@@ -244,104 +267,9 @@ Displacements Compliance::solve(const std::vector<PointForce>& forces) const {
   return result;
 }
 
-namespace {
-
-// Takes the change's new blocks into Â and strikes the dead slots.
-void change_stiffness(Compliance::Impl& impl, const StiffnessChange& change, const std::vector<std::uint32_t>& touched_slots,
-                      const std::vector<std::uint32_t>& struck_slots) {
-  for (const StiffnessChange::Entry& entry : change.entries) *impl.stiffness.find(touched_slots[entry.row], touched_slots[entry.column]) = entry.block;
-  for (const std::uint32_t slot : struck_slots) {
-    impl.dead[slot] = 1;
-    for (std::uint32_t k = impl.stiffness.row_start[slot]; k < impl.stiffness.row_start[slot + 1]; ++k) {
-      impl.stiffness.block[k].setZero();
-      impl.stiffness.find(impl.stiffness.column[k], slot)->setZero();
-    }
-  }
+std::size_t Compliance::pending_rank() const {
+  return impl_->correction.rows().size();
 }
-
-std::vector<std::uint32_t> slots_of(const Compliance::Impl& impl, const std::vector<VertexId>& vertices) {
-  std::vector<std::uint32_t> slots;
-  for (const VertexId v : vertices) slots.push_back(impl.slot_of_vertex.at(v.index()));
-  return slots;
-}
-
-// The rows q = D then S of an update, and Σ Â_e on S without fixed vertices.
-struct UpdateRows {
-  std::vector<std::uint32_t> rows;
-  Index struck = 0;
-  MatrixXd removed;
-};
-
-UpdateRows update_rows(const Compliance::Impl& impl, const StiffnessChange& change, const std::vector<std::uint32_t>& touched_slots,
-                       const std::vector<std::uint32_t>& struck_slots) {
-  UpdateRows result;
-  const auto add = [&](std::uint32_t slot) {
-    for (std::uint32_t a = 0; a < 3; ++a) result.rows.push_back(static_cast<std::uint32_t>(impl.row_of_slot[slot]) + a);
-  };
-  for (const std::uint32_t slot : struck_slots)
-    if (impl.row_of_slot[slot] >= 0 && !impl.dead[slot]) add(slot);
-  result.struck = static_cast<Index>(result.rows.size());
-  std::vector<Index> kept;  // places in `touched` that are free
-  for (std::size_t k = 0; k < touched_slots.size(); ++k)
-    if (impl.row_of_slot[touched_slots[k]] >= 0) {
-      add(touched_slots[k]);
-      kept.push_back(static_cast<Index>(k));
-    }
-  const auto size = static_cast<Index>(3 * kept.size());
-  result.removed.resize(size, size);
-  for (std::size_t j = 0; j < kept.size(); ++j)
-    for (std::size_t i = 0; i < kept.size(); ++i)
-      result.removed.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) = change.removed.block<3, 3>(3 * kept[i], 3 * kept[j]);
-  return result;
-}
-
-void renumber(Compliance::Impl& impl, const Remap& remap) {
-  std::vector<std::uint32_t> slots(remap.vertex_to_old.size());
-  for (std::size_t v = 0; v < slots.size(); ++v) slots[v] = impl.slot_of_vertex.at(remap.vertex_to_old[v].index());
-  impl.slot_of_vertex = std::move(slots);
-}
-
-}  // namespace
-
-UpdateReport Compliance::update(const StiffnessChange& change) {
-  blas::use_one_thread();
-  Impl& impl = *impl_;
-  if (change.remap.vertex_to_new.size() != vertex_count())
-    throw InputError("change", "was made from a mesh of " + std::to_string(change.remap.vertex_to_new.size()) + " vertices, the compliance has " +
-                                   std::to_string(vertex_count()),
-                     "apply every edit of the model to its compliance, in order");
-  if (!change.unsupported.empty())
-    throw Unsupported("", change.unsupported, "hold it, keep it joined, or use a time step > 0");
-  const std::vector<std::uint32_t> touched = slots_of(impl, change.touched), struck = slots_of(impl, change.struck);
-  UpdateRows q = update_rows(impl, change, touched, struck);
-  UpdateReport report;
-  report.rank = q.rows.size();
-  if (!q.rows.empty()) {
-    if (impl.backend == Backend::sparse) impl.base->prepare(q.rows);
-    UpdateFactors factors = exact_update(impl.correction.block(*impl.base, q.rows, q.rows), q.struck, q.removed);
-    report.smallest_eigenvalue = factors.smallest_eigenvalue;
-    const bool lost = factors.smallest_eigenvalue < (impl.is_static ? 1e-10 : 1e-13);
-    if (lost && impl.is_static)
-      throw Unsupported("", "what the cut leaves is held too weakly to be solved (smallest eigenvalue " + std::to_string(factors.smallest_eigenvalue) + ")",
-                        "keep more of it, or use a time step > 0");
-    change_stiffness(impl, change, touched, struck);
-    renumber(impl, change.remap);
-    if (lost) {  // A dynamic model stays definite, but the update would keep no digit: compute anew instead.
-      refresh();
-      return report;
-    }
-    UpdateStep step{std::move(q.rows), std::move(factors)};
-    impl.correction.add(*impl.base, step);
-    if (impl.fold.valid()) impl.steps_since_fold.push_back(std::move(step));
-    impl.regroup();
-  } else {
-    change_stiffness(impl, change, touched, struck);
-    renumber(impl, change.remap);
-  }
-  return report;
-}
-
-std::size_t Compliance::pending_rank() const { return impl_->correction.rows().size(); }
 
 void Compliance::fold() {
   if (impl_->fold.valid()) adopt_fold();
@@ -410,7 +338,8 @@ void require_support(const Model& model) {
 Compliance precompute(const Model& model, const PrecomputeOptions& options, Progress* progress) {
   blas::use_one_thread();
   require_support(model);
-  require_memory(precompute_memory(model, options), "the compliance of " + std::to_string(model.mesh().vertex_count()) + " vertices");
+  require_memory(precompute_memory(model, options),
+                 "the compliance of " + std::to_string(model.mesh().vertex_count()) + " vertices");
   std::unique_ptr<Compliance::Impl> impl = start(model, options.backend);
   impl->build(progress);
   return Compliance(std::move(impl));
@@ -443,7 +372,8 @@ Compliance Compliance::from_rows(const Model& model, const std::function<void(Ve
       const std::int32_t row = impl->row_of_slot[first + k / 3];
       if (row < 0) continue;
       double* to = matrix.data() + (static_cast<std::size_t>(row) + k % 3) * n;  // symmetric: a row is a column
-      for (const std::uint32_t slot : impl->slot_of_row) to = std::copy_n(rows.data() + k * width + 3 * std::size_t{slot}, 3, to);
+      for (const std::uint32_t slot : impl->slot_of_row)
+        to = std::copy_n(rows.data() + k * width + 3 * std::size_t{slot}, 3, to);
     }
   }
   impl->base = std::make_unique<DenseBase>(std::move(matrix), n);
@@ -456,7 +386,7 @@ void Compliance::copy_rows(VertexId first, std::size_t count, double* out) const
   std::vector<DofId> dofs;
   for (std::size_t k = 0; k < 3 * count; ++k) dofs.push_back(DofId(3 * first.index() + k));
   const auto* dense = dynamic_cast<const DenseBase*>(impl_->base.get());
-  if (!dense || pending_rank() > 0) {
+  if (!dense || pending_rank() > 0 || !impl_->islands.empty()) {
     const MatrixXd found = columns(dofs);
     std::copy_n(found.data(), found.size(), out);
     return;

@@ -32,8 +32,10 @@ using Displacements = std::vector<Vec3>;
 
 /// What an update found.
 struct UpdateReport {
-  std::size_t rank = 0;           ///< struck and touched free degrees of freedom: the size of the correction
-  double smallest_eigenvalue = 1; ///< estimate, of I − Bᵀ C_SS B: 1 costs no digits, 1e-6 costs six; 1 if nothing touched
+  std::size_t rank = 0;    ///< struck and touched free degrees of freedom: the size of the correction
+  bool refreshed = false;  ///< the update would have kept no digit, so everything was computed anew
+  double smallest_eigenvalue =
+      1;  ///< estimate, of I − Bᵀ C_SS B: 1 costs no digits, 1e-6 costs six; 1 if nothing touched
 };
 
 /// C = Â⁻¹ [m/N] of a model and of everything it is cut into. Queries use the numbers of the current mesh.
@@ -75,7 +77,7 @@ class Compliance {
   [[nodiscard]] double probe(std::uint64_t seed = 1) const;
   /// 1-norm condition number of the current Â: exact ‖Â‖₁ times an estimate of ‖C‖₁ (Higham & Tisseur 2000).
   [[nodiscard]] double condition() const;
-  [[nodiscard]] std::uint64_t bytes() const;  ///< memory held
+  [[nodiscard]] std::uint64_t bytes() const;            ///< memory held
   [[nodiscard]] std::uint64_t factor_nonzeros() const;  ///< of the sparse factor; 0 for dense
 
   /// Three rows of C for each of `count` vertices from `first`, 3n values a row, row-major; pending corrections must
@@ -94,8 +96,8 @@ class Compliance {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Computes the compliance of a model. Throws FailedError, before allocating, if memory will not do; Unsupported for a static
-/// model with a part that can move; Interrupted.
+/// Computes the compliance of a model. Throws FailedError, before allocating, if memory will not do; Unsupported for a
+/// static model with a part that can move; Interrupted.
 Compliance precompute(const Model& model, const PrecomputeOptions& options = {}, Progress* progress = nullptr);
 
 /// Peak bytes that `precompute` will need beyond what the process holds now (an upper estimate for sparse).

@@ -22,7 +22,8 @@ MatrixXd DenseBase::gather(Rows rows, Rows columns) const {
 
 MatrixXd DenseBase::columns(Rows columns) const {
   MatrixXd result(static_cast<Index>(size_), static_cast<Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) std::copy_n(column(columns[k]), size_, result.col(static_cast<Index>(k)).data());
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    std::copy_n(column(columns[k]), size_, result.col(static_cast<Index>(k)).data());
   return result;
 }
 
@@ -31,8 +32,8 @@ MatrixXd DenseBase::apply(const MatrixXd& x) const {
   MatrixXd y(x.rows(), x.cols());
   parallel_blocks(size_, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
     // The matrix is symmetric: its columns are its rows, and they are contiguous.
-    blas::gemm('T', 'N', end - begin, static_cast<std::size_t>(x.cols()), size_, 1, column(begin), size_, x.data(), size_, 0,
-               y.data() + begin, size_);
+    blas::gemm('T', 'N', end - begin, static_cast<std::size_t>(x.cols()), size_, 1, column(begin), size_, x.data(),
+               size_, 0, y.data() + begin, size_);
   });
   return y;
 }
@@ -59,8 +60,8 @@ MatrixXd SparseBase::gather(Rows rows, Rows columns) const {
   // C0_IJ = (L⁻¹P E_I)ᵀ (L⁻¹P E_J): forward solves only.
   const MatrixXd left = forward(rows), right = forward(columns);
   MatrixXd block(left.cols(), right.cols());
-  blas::gemm('T', 'N', rows.size(), columns.size(), size(), 1, left.data(), size(), right.data(), size(), 0, block.data(),
-             std::max<std::size_t>(1, rows.size()));
+  blas::gemm('T', 'N', rows.size(), columns.size(), size(), 1, left.data(), size(), right.data(), size(), 0,
+             block.data(), std::max<std::size_t>(1, rows.size()));
   return block;
 }
 

@@ -10,25 +10,34 @@ namespace calot {
 
 inline constexpr std::uint32_t no_group = ~0u;
 
+/// A small connected group that cuts have set free: answered from its own inverse. Left in the correction, a crumb held
+/// by nothing but its mass would cost every other part its digits.
+struct Island {
+  std::vector<std::uint32_t> slots;  // ascending
+  Eigen::MatrixXd inverse;           // 3·slots squared
+};
+
 /// Vertices are kept in "slots", the numbering of the mesh when the compliance was made: cuts renumber the mesh, never
 /// the rows. A slot has three rows in the base, unless its vertex is fixed or belongs to no tet.
 struct Compliance::Impl {
   // Constant since the compliance was made.
   Backend backend = Backend::dense;
   bool is_static = false;
-  std::vector<std::uint8_t> fixed;        // slots
-  std::vector<std::int32_t> row_of_slot;  // first base row, or −1
-  std::vector<std::uint32_t> slot_of_row; // base rows / 3
-  std::vector<std::uint8_t> active;       // slots that have rows: neither fixed nor without tets when analysed
+  std::vector<std::uint8_t> fixed;               // slots
+  std::vector<std::int32_t> row_of_slot;         // first base row, or −1
+  std::vector<std::uint32_t> slot_of_row;        // base rows / 3
+  std::vector<std::uint8_t> active;              // slots that have rows: neither fixed nor without tets when analysed
   std::shared_ptr<const FactorPattern> pattern;  // of the active slots, in base row order
 
   // Changed by cuts.
-  BlockMatrix stiffness;                    // Â over slots; blocks of dead slots are zero
-  std::vector<std::uint8_t> dead;           // slots whose vertex has lost its last tet
+  BlockMatrix stiffness;                      // Â over slots; blocks of dead slots are zero
+  std::vector<std::uint8_t> dead;             // slots whose vertex has lost its last tet
   std::vector<std::uint32_t> slot_of_vertex;  // current mesh vertices
-  std::vector<std::uint32_t> group;         // slots: what is still coupled; no_group for dead and fixed ones
+  std::vector<std::uint32_t> group;           // slots: what is still coupled; no_group for dead and fixed ones
   std::unique_ptr<ComplianceBase> base;
   Correction correction;
+  std::vector<Island> islands;
+  std::vector<std::int32_t> island_of_slot;  // or −1
   std::vector<UpdateStep> steps_since_fold;  // updates that a fold under way does not know
 
   // Declared last: its thread reads the members above, so it must end first.
@@ -38,6 +47,15 @@ struct Compliance::Impl {
   [[nodiscard]] std::size_t slots() const { return fixed.size(); }
   [[nodiscard]] std::vector<std::uint32_t> rows_of(std::span<const DofId> dofs) const;  // ~0u for fixed ones
   void regroup();
+  /// Slots that form small groups now and were touched or islands before; groups must be up to date.
+  [[nodiscard]] std::vector<std::vector<std::uint32_t>> small_groups(const std::vector<std::uint32_t>& touched) const;
+  [[nodiscard]] double island_entry(std::uint32_t row_slot, std::uint32_t row_axis, std::uint32_t column_slot,
+                                    std::uint32_t column_axis) const;
+  void settle_islands(const std::vector<std::vector<std::uint32_t>>& groups);
+  /// Answered by the base and its correction: has rows, is neither dead nor on an island.
+  [[nodiscard]] bool in_base(std::size_t slot) const {
+    return row_of_slot[slot] >= 0 && !dead[slot] && island_of_slot[slot] < 0;
+  }
 
   // Vectors over slots (3 values each) to base rows and back.
   [[nodiscard]] Eigen::MatrixXd to_rows(const Eigen::MatrixXd& x) const;

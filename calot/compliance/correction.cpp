@@ -9,15 +9,17 @@ using Eigen::MatrixXd;
 
 namespace {
 
-std::size_t count(Index n) { return static_cast<std::size_t>(n); }
+std::size_t count(Index n) {
+  return static_cast<std::size_t>(n);
+}
 
 MatrixXd multiply(char op_a, char op_b, const MatrixXd& a, const MatrixXd& b) {
   const Index rows = op_a == 'N' ? a.rows() : a.cols(), inner = op_a == 'N' ? a.cols() : a.rows();
   const Index columns = op_b == 'N' ? b.cols() : b.rows();
   MatrixXd c = MatrixXd::Zero(rows, columns);
   if (c.size() == 0 || inner == 0) return c;
-  blas::gemm(op_a, op_b, count(rows), count(columns), count(inner), 1, a.data(), count(a.rows()), b.data(), count(b.rows()), 0, c.data(),
-             count(rows));
+  blas::gemm(op_a, op_b, count(rows), count(columns), count(inner), 1, a.data(), count(a.rows()), b.data(),
+             count(b.rows()), 0, c.data(), count(rows));
   return c;
 }
 
@@ -42,8 +44,8 @@ MatrixXd Correction::block(const ComplianceBase& base, Rows rows, Rows columns) 
   const MatrixXd weighted = multiply('N', 'N', left, core_);
   const bool same = rows.size() == columns.size() && std::equal(rows.begin(), rows.end(), columns.begin());
   const MatrixXd right = same ? left : base.gather(columns, rows_);
-  blas::gemm('N', 'T', rows.size(), columns.size(), rows_.size(), 1, weighted.data(), rows.size(), right.data(), columns.size(), 1,
-             result.data(), rows.size());
+  blas::gemm('N', 'T', rows.size(), columns.size(), rows_.size(), 1, weighted.data(), rows.size(), right.data(),
+             columns.size(), 1, result.data(), rows.size());
   return result;
 }
 

@@ -32,10 +32,10 @@ class Correction {
  private:
   void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
 
-  std::vector<std::uint32_t> rows_;   // T
-  std::vector<std::int32_t> place_;   // of each base row, its place in T, or −1
-  Eigen::MatrixXd core_;              // M
-  Eigen::MatrixXd base_block_;        // C0_TT
+  std::vector<std::uint32_t> rows_;  // T
+  std::vector<std::int32_t> place_;  // of each base row, its place in T, or −1
+  Eigen::MatrixXd core_;             // M
+  Eigen::MatrixXd base_block_;       // C0_TT
 };
 
 }  // namespace calot

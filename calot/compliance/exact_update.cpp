@@ -12,7 +12,9 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-std::size_t count(Index n) { return static_cast<std::size_t>(n); }
+std::size_t count(Index n) {
+  return static_cast<std::size_t>(n);
+}
 
 // B with B Bᵀ = A, A positive semidefinite: pivoted Cholesky, k×r. Modes below 1e-15 of the largest are rounding.
 MatrixXd root_of(MatrixXd a) {
@@ -47,8 +49,9 @@ double smallest_eigenvalue(const MatrixXd& l) {
 void product(char op_a, char op_b, double alpha, const MatrixXd& a, const MatrixXd& b, double beta, MatrixXd& c) {
   const Index inner = op_a == 'N' ? a.cols() : a.rows();
   if (c.size() == 0) return;
-  blas::gemm(op_a, op_b, count(c.rows()), count(c.cols()), count(inner), alpha, a.data(), count(std::max<Index>(1, a.rows())), b.data(),
-             count(std::max<Index>(1, b.rows())), beta, c.data(), count(c.rows()));
+  blas::gemm(op_a, op_b, count(c.rows()), count(c.cols()), count(inner), alpha, a.data(),
+             count(std::max<Index>(1, a.rows())), b.data(), count(std::max<Index>(1, b.rows())), beta, c.data(),
+             count(c.rows()));
 }
 
 }  // namespace
@@ -65,10 +68,12 @@ UpdateFactors exact_update(const MatrixXd& block, Index struck, const MatrixXd& 
   }
   factors.minus = MatrixXd::Zero(q, d);
   MatrixXd inverse_transposed = MatrixXd::Identity(d, d);
-  blas::trsm('L', 'T', count(d), count(d), 1, ld.data(), count(std::max<Index>(1, d)), inverse_transposed.data(), count(std::max<Index>(1, d)));
+  blas::trsm('L', 'T', count(d), count(d), 1, ld.data(), count(std::max<Index>(1, d)), inverse_transposed.data(),
+             count(std::max<Index>(1, d)));
   factors.minus.topRows(d) = inverse_transposed;
   MatrixXd half = block.topRightCorner(d, k);  // L_D⁻¹ C_DS
-  blas::trsm('L', 'N', count(d), count(k), 1, ld.data(), count(std::max<Index>(1, d)), half.data(), count(std::max<Index>(1, d)));
+  blas::trsm('L', 'N', count(d), count(k), 1, ld.data(), count(std::max<Index>(1, d)), half.data(),
+             count(std::max<Index>(1, d)));
   MatrixXd css = block.bottomRightCorner(k, k);
   product('T', 'N', -1, half, half, 1, css);
   // S: I − Bᵀ C_SS B = L Lᵀ.
@@ -84,10 +89,12 @@ UpdateFactors exact_update(const MatrixXd& block, Index struck, const MatrixXd& 
   factors.smallest_eigenvalue = smallest_eigenvalue(core);
   // plus = [−C_DD⁻¹ C_DS; I] B L⁻ᵀ.
   MatrixXd bl = b;
-  blas::trsm('R', 'T', count(k), count(r), 1, core.data(), count(std::max<Index>(1, r)), bl.data(), count(std::max<Index>(1, k)));
+  blas::trsm('R', 'T', count(k), count(r), 1, core.data(), count(std::max<Index>(1, r)), bl.data(),
+             count(std::max<Index>(1, k)));
   factors.plus.resize(q, r);
   factors.plus.bottomRows(k) = bl;
-  blas::trsm('L', 'T', count(d), count(k), 1, ld.data(), count(std::max<Index>(1, d)), half.data(), count(std::max<Index>(1, d)));
+  blas::trsm('L', 'T', count(d), count(k), 1, ld.data(), count(std::max<Index>(1, d)), half.data(),
+             count(std::max<Index>(1, d)));
   MatrixXd top(d, r);
   product('N', 'N', -1, half, bl, 0, top);
   factors.plus.topRows(d) = top;

@@ -6,8 +6,8 @@ namespace calot {
 
 /// C' = C − (C_:q minus)(C_:q minus)ᵀ + (C_:q plus)(C_:q plus)ᵀ, where q are the struck rows, then the touched ones.
 struct UpdateFactors {
-  Eigen::MatrixXd minus;  ///< q×d: strikes the d rows
-  Eigen::MatrixXd plus;   ///< q×r [(N/m)^½]: takes the stiffness of the removed tets away
+  Eigen::MatrixXd minus;           ///< q×d: strikes the d rows
+  Eigen::MatrixXd plus;            ///< q×r [(N/m)^½]: takes the stiffness of the removed tets away
   double smallest_eigenvalue = 1;  ///< estimate, of I − Bᵀ C_SS B; 0 when its Cholesky factorisation broke down
   [[nodiscard]] bool definite() const { return smallest_eigenvalue > 0; }
 };

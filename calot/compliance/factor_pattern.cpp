@@ -70,7 +70,8 @@ void fill(FactorPattern& pattern, const cholmod_factor& factor) {
   pattern.panel_start.push_back(0);
   for (std::size_t s = 0; s < supers; ++s) {
     const std::uint64_t own = pattern.own(s);
-    for (std::uint32_t p = pattern.super_start[s]; p < pattern.super_start[s + 1]; ++p) pattern.super_of[p] = static_cast<std::uint32_t>(s);
+    for (std::uint32_t p = pattern.super_start[s]; p < pattern.super_start[s + 1]; ++p)
+      pattern.super_of[p] = static_cast<std::uint32_t>(s);
     pattern.rows.insert(pattern.rows.end(), rows + start[s] + own, rows + start[s + 1]);
     pattern.row_start.push_back(pattern.rows.size());
     const std::uint64_t below = pattern.below(s);
@@ -106,7 +107,8 @@ FactorPattern analyse(const BlockMatrix& matrix, std::span<const std::uint8_t> a
   lower.dtype = CHOLMOD_DOUBLE;
   lower.sorted = lower.packed = 1;
   cholmod_factor* factor = cholmod_l_analyze(&lower, &cholmod.common);
-  if (!factor) throw FailedError("memory", "the analysis of the stiffness matrix ran out of memory", "use a coarser mesh");
+  if (!factor)
+    throw FailedError("memory", "the analysis of the stiffness matrix ran out of memory", "use a coarser mesh");
   fill(pattern, *factor);
   cholmod_l_free_factor(&factor, &cholmod.common);
   return pattern;

@@ -40,7 +40,8 @@ void paper_delete_vertices(FullCompliance& compliance, std::span<const VertexId>
 
 void paper_zero_between_parts(FullCompliance& compliance, std::span<const std::uint32_t> part) {
   if (part.size() != compliance.vertices)
-    throw InputError("parts", "are given for " + std::to_string(part.size()) + " of " + std::to_string(compliance.vertices) + " vertices");
+    throw InputError("parts", "are given for " + std::to_string(part.size()) + " of " +
+                                  std::to_string(compliance.vertices) + " vertices");
   parallel_blocks(compliance.vertices, 16, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t axis = 0; axis < 3; ++axis) {

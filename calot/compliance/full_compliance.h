@@ -25,8 +25,8 @@ void paper_delete_vertices(FullCompliance& compliance, std::span<const VertexId>
 /// @param part  n, part of each vertex
 void paper_zero_between_parts(FullCompliance& compliance, std::span<const std::uint32_t> part);
 
-/// Both, as after a cut: `orphaned` in numbers before, `mesh` after it; parts are its face-connected parts (a hinge vertex
-/// counts to the first part that has it).
+/// Both, as after a cut: `orphaned` in numbers before, `mesh` after it; parts are its face-connected parts (a hinge
+/// vertex counts to the first part that has it).
 void paper_update(FullCompliance& compliance, std::span<const VertexId> orphaned, const TetMesh& mesh);
 
 }  // namespace calot

@@ -21,8 +21,8 @@ std::vector<double> elimination_matrix(const SparseFactor& factor, std::size_t s
 }
 
 // Rows [begin, end) of C(later, s) = −C(later, r) H, and their mirror image in the rows of s.
-void fill_tile(const SparseFactor& factor, std::size_t s, const std::vector<double>& h, double* inverse, std::size_t begin,
-               std::size_t end) {
+void fill_tile(const SparseFactor& factor, std::size_t s, const std::vector<double>& h, double* inverse,
+               std::size_t begin, std::size_t end) {
   const FactorPattern& f = factor.pattern();
   const std::size_t n = factor.size(), first = 3 * std::size_t{f.super_start[s]}, c = 3 * f.own(s), r = 3 * f.below(s);
   const std::size_t height = end - begin;
@@ -31,7 +31,8 @@ void fill_tile(const SparseFactor& factor, std::size_t s, const std::vector<doub
   const std::span<const std::uint32_t> rows = f.rows_of(s);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
-      std::memcpy(gathered.data() + (3 * i + a) * height, inverse + (3 * std::size_t{rows[i]} + a) * n + begin, height * sizeof(double));
+      std::memcpy(gathered.data() + (3 * i + a) * height, inverse + (3 * std::size_t{rows[i]} + a) * n + begin,
+                  height * sizeof(double));
   blas::gemm('N', 'N', height, c, r, -1, gathered.data(), height, h.data(), r, 0, inverse + first * n + begin, n);
   for (std::size_t i = begin; i < end; ++i)
     for (std::size_t j = 0; j < c; ++j) inverse[i * n + first + j] = inverse[(first + j) * n + i];
@@ -47,7 +48,8 @@ void fill_diagonal(const SparseFactor& factor, std::size_t s, const std::vector<
   blas::lauum(c, own.data(), c);
   const std::span<const std::uint32_t> rows = f.rows_of(s);
   for (std::size_t j = 0; j < c; ++j)
-    for (std::size_t i = 0; i < rows.size(); ++i) std::copy_n(inverse + (first + j) * n + 3 * std::size_t{rows[i]}, 3, below.data() + j * r + 3 * i);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      std::copy_n(inverse + (first + j) * n + 3 * std::size_t{rows[i]}, 3, below.data() + j * r + 3 * i);
   if (r > 0) blas::gemm('T', 'N', c, c, r, -1, h.data(), r, below.data(), r, 1, own.data(), c);
   for (std::size_t j = 0; j < c; ++j)
     for (std::size_t i = j; i < c; ++i)

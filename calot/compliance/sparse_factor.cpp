@@ -11,8 +11,8 @@
 namespace calot {
 namespace {
 
-constexpr std::size_t tile = 256;   // rows of a tile of a large front
-constexpr std::size_t panel_step = 192;  // columns eliminated at once in a large front
+constexpr std::size_t tile = 256;             // rows of a tile of a large front
+constexpr std::size_t panel_step = 192;       // columns eliminated at once in a large front
 constexpr std::size_t right_hand_sides = 32;  // columns solved together
 
 // One factorisation in progress: the fronts' update matrices live here until their parent takes them in.
@@ -20,7 +20,12 @@ class Multifrontal {
  public:
   Multifrontal(const FactorPattern& pattern, const BlockMatrix& matrix, std::span<const std::uint8_t> active,
                std::span<const std::uint8_t> dead, double* values)
-      : pattern_(pattern), matrix_(matrix), dead_(dead), values_(values), updates_(pattern.supernodes()), children_(pattern.supernodes()) {
+      : pattern_(pattern),
+        matrix_(matrix),
+        dead_(dead),
+        values_(values),
+        updates_(pattern.supernodes()),
+        children_(pattern.supernodes()) {
     active_of_row_.assign(matrix.rows(), -1);
     for (std::size_t row = 0; row < matrix.rows(); ++row)
       if (active[row]) {
@@ -28,7 +33,8 @@ class Multifrontal {
         row_of_active_.push_back(static_cast<std::uint32_t>(row));
       }
     for (std::size_t s = 0; s < pattern.supernodes(); ++s)
-      if (pattern.parent[s] >= 0) children_[static_cast<std::size_t>(pattern.parent[s])].push_back(static_cast<std::uint32_t>(s));
+      if (pattern.parent[s] >= 0)
+        children_[static_cast<std::size_t>(pattern.parent[s])].push_back(static_cast<std::uint32_t>(s));
   }
 
   void run(Progress* progress);
@@ -75,7 +81,8 @@ void Multifrontal::assemble(std::size_t s, const std::vector<std::uint32_t>& loc
       const std::size_t first = 3 * std::size_t{local[q]};
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
-          panel[(column + static_cast<std::size_t>(a)) * ld + first + static_cast<std::size_t>(b)] = matrix_.block[k](a, b);
+          panel[(column + static_cast<std::size_t>(a)) * ld + first + static_cast<std::size_t>(b)] =
+              matrix_.block[k](a, b);
     }
   }
 }
@@ -91,7 +98,8 @@ void Multifrontal::extend_add(std::size_t s, std::size_t child, const std::vecto
     const bool in_panel = column < own;
     for (std::size_t a = 0; a < 3; ++a) {
       const double* from = update.data() + (3 * j + a) * child_ld;
-      double* to = in_panel ? panel + (3 * column + a) * panel_ld : updates_[s].data() + (3 * (column - own) + a) * update_ld;
+      double* to =
+          in_panel ? panel + (3 * column + a) * panel_ld : updates_[s].data() + (3 * (column - own) + a) * update_ld;
       const std::size_t shift = in_panel ? 0 : own;
       for (std::size_t i = j; i < rows.size(); ++i) {
         double* target = to + 3 * (local[rows[i]] - shift);
@@ -105,8 +113,9 @@ void Multifrontal::extend_add(std::size_t s, std::size_t child, const std::vecto
 void Multifrontal::check(int info, std::size_t s, std::size_t first_column) const {
   if (info == 0) return;
   const std::size_t p = pattern_.super_start[s] + (first_column + static_cast<std::size_t>(info) - 1) / 3;
-  throw Unsupported("", "the stiffness is not positive definite at vertex " + std::to_string(row_of_active_[pattern_.perm[p]]),
-                    "hold every part by at least three vertices, or use a time step > 0");
+  throw Unsupported(
+      "", "the stiffness is not positive definite at vertex " + std::to_string(row_of_active_[pattern_.perm[p]]),
+      "hold every part by at least three vertices, or use a time step > 0");
 }
 
 void Multifrontal::factor_small(std::size_t s) {
@@ -131,7 +140,8 @@ void Multifrontal::factor_large(std::size_t s) {
     // The panel's later columns; its rows in tiles, each tile the columns up to its own diagonal.
     parallel_blocks(ld - next, tile, [&](std::size_t begin, std::size_t end, std::size_t) {
       const std::size_t columns = std::min(c - next, end);
-      blas::gemm('N', 'T', end - begin, columns, width, -1, at(next + begin, k), ld, at(next, k), ld, 1, at(next + begin, next), ld);
+      blas::gemm('N', 'T', end - begin, columns, width, -1, at(next + begin, k), ld, at(next, k), ld, 1,
+                 at(next + begin, next), ld);
     });
   }
   const std::size_t tiles = (r + tile - 1) / tile;
@@ -139,8 +149,10 @@ void Multifrontal::factor_large(std::size_t s) {
   parallel_for(tiles * (tiles + 1) / 2, [&](std::size_t index) {
     std::size_t i = 0, j = index;
     for (; j > i; ++i) j -= i + 1;
-    const std::size_t row = i * tile, column = j * tile, rows = std::min(tile, r - row), columns = std::min(tile, r - column);
-    blas::gemm('N', 'T', rows, columns, c, -1, at(c + row, 0), ld, at(c + column, 0), ld, 1, update + column * r + row, r);
+    const std::size_t row = i * tile, column = j * tile, rows = std::min(tile, r - row),
+                      columns = std::min(tile, r - column);
+    blas::gemm('N', 'T', rows, columns, c, -1, at(c + row, 0), ld, at(c + column, 0), ld, 1, update + column * r + row,
+               r);
   });
 }
 
@@ -174,12 +186,14 @@ void Multifrontal::run(Progress* progress) {
   std::vector<std::uint32_t> tasks, top;
   for (std::size_t s = 0; s < supers; ++s) {
     const bool fits = subtree[s] <= task_flops;
-    const bool parent_fits = pattern_.parent[s] >= 0 && subtree[static_cast<std::size_t>(pattern_.parent[s])] <= task_flops;
+    const bool parent_fits =
+        pattern_.parent[s] >= 0 && subtree[static_cast<std::size_t>(pattern_.parent[s])] <= task_flops;
     if (fits && !parent_fits) tasks.push_back(static_cast<std::uint32_t>(s));
     if (!fits) top.push_back(static_cast<std::uint32_t>(s));
   }
   std::vector<std::uint32_t> order = tasks;
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return subtree[a] > subtree[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return subtree[a] > subtree[b]; });
   parallel_for(order.size(), [&](std::size_t k) {
     std::vector<std::uint32_t> local(pattern_.vertices());
     for (std::uint32_t s = first[order[k]]; s <= order[k]; ++s) {
@@ -223,7 +237,8 @@ void SparseFactor::solve_forward(double* x, std::size_t k) const {
     for (std::size_t s = 0; s < f.supernodes(); ++s) {
       const std::size_t first = 3 * std::size_t{f.super_start[s]}, c = 3 * f.own(s), r = 3 * f.below(s);
       for (std::size_t j = 0; j < columns && !on_path[s]; ++j)
-        on_path[s] = std::any_of(block + j * size() + first, block + j * size() + first + c, [](double v) { return v != 0; });
+        on_path[s] =
+            std::any_of(block + j * size() + first, block + j * size() + first + c, [](double v) { return v != 0; });
       if (!on_path[s]) continue;
       blas::trsm('L', 'N', c, columns, 1, panel(s), c + r, block + first, size());
       if (r == 0) continue;
@@ -249,7 +264,8 @@ void SparseFactor::solve_backward(double* x, std::size_t k) const {
       for (std::size_t j = 0; j < columns; ++j)
         for (std::size_t i = 0; i < rows.size(); ++i)
           for (std::size_t a = 0; a < 3; ++a) below[j * r + 3 * i + a] = block[j * size() + 3 * rows[i] + a];
-      if (r > 0) blas::gemm('T', 'N', c, columns, r, -1, panel(s) + c, c + r, below.data(), r, 1, block + first, size());
+      if (r > 0)
+        blas::gemm('T', 'N', c, columns, r, -1, panel(s) + c, c + r, below.data(), r, 1, block + first, size());
       blas::trsm('L', 'T', c, columns, 1, panel(s), c + r, block + first, size());
     }
   });

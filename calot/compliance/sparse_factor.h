@@ -45,8 +45,9 @@ class SparseFactor {
   SparseFactor() = default;
   /// Factors the active rows of `matrix`, which must be positive definite; rows in `dead` count as identity.
   /// Throws Unsupported naming the active vertex where a pivot is not positive, Interrupted, FailedError (memory).
-  SparseFactor(std::shared_ptr<const FactorPattern> pattern, const BlockMatrix& matrix, std::span<const std::uint8_t> active,
-               std::span<const std::uint8_t> dead = {}, Progress* progress = nullptr);
+  SparseFactor(std::shared_ptr<const FactorPattern> pattern, const BlockMatrix& matrix,
+               std::span<const std::uint8_t> active, std::span<const std::uint8_t> dead = {},
+               Progress* progress = nullptr);
 
   [[nodiscard]] const FactorPattern& pattern() const { return *pattern_; }
   [[nodiscard]] const std::shared_ptr<const FactorPattern>& shared_pattern() const { return pattern_; }
