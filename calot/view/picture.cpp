@@ -54,16 +54,7 @@ Layout lay_out(const std::vector<PictureItem>& items, const PictureOptions& opti
 }
 
 Camera camera_for(const std::vector<PictureItem>& items, const PictureOptions& options, const Viewport& view) {
-  std::vector<Vec3> points;
-  if (options.frame) {
-    for (int corner = 0; corner < 8; ++corner)
-      points.push_back({corner & 1 ? options.frame->low.x() : options.frame->high.x(),
-                        corner & 2 ? options.frame->low.y() : options.frame->high.y(),
-                        corner & 4 ? options.frame->low.z() : options.frame->high.z()});
-  } else {
-    for (const PictureItem& item : items)
-      for (const Vec3& p : detail::item_positions(item)) points.push_back(p);
-  }
+  std::vector<Vec3> points = options.frame ? options.frame->points : frame_of(items).points;
   if (points.empty()) points.assign(1, Vec3::Zero());
   return detail::frame_camera(points, options.direction, options.up, view);
 }
@@ -247,12 +238,11 @@ void write_picture(const std::filesystem::path& path, const std::vector<PictureI
 
 PictureFrame frame_of(const std::vector<PictureItem>& items) {
   detail::check_items(items);
-  PictureFrame frame{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
-  for (const PictureItem& item : items)
-    for (const Vec3& p : detail::item_positions(item)) {
-      frame.low = frame.low.cwiseMin(p);
-      frame.high = frame.high.cwiseMax(p);
-    }
+  PictureFrame frame;
+  for (const PictureItem& item : items) {
+    const std::vector<Vec3> positions = detail::item_positions(item);
+    frame.points.insert(frame.points.end(), positions.begin(), positions.end());
+  }
   return frame;
 }
 

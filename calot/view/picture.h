@@ -34,9 +34,9 @@ struct PictureItem {
 
 enum class Background { white, dark };
 
-/// A box [m]; give several pictures the same one and they share a camera.
+/// Points [m] that a picture shows; give several pictures the same ones and they share a camera.
 struct PictureFrame {
-  Vec3 low, high;
+  std::vector<Vec3> points;
 };
 
 struct PictureOptions {
@@ -67,7 +67,7 @@ void write_png(const std::filesystem::path& path, const Image& image);
 void write_picture(const std::filesystem::path& path, const std::vector<PictureItem>& items,
                    const PictureOptions& options = {});
 
-/// The smallest box around all items.
+/// Every vertex of the items: a frame that fits them closely.
 PictureFrame frame_of(const std::vector<PictureItem>& items);
 
 /// Flags the triangles of `after` that were not on the surface before an edit: the faces that a cut laid open.
