@@ -1,10 +1,12 @@
 // calot mesh: a label map becomes a tetrahedral mesh with its model.toml.
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
 #include "app/commands.h"
+#include "app/staged_folder.h"
 #include "app/stopwatch.h"
 #include "app/terminal.h"
 #include "calot/base/error.h"
@@ -90,11 +92,18 @@ void write_preview(const std::filesystem::path& path, const LabelMesh& meshed) {
 
 void run_mesh(const MeshArguments& arguments) {
   Stopwatch watch;
+  StagedFolder folder(arguments.folder);
   const LabelMap map = read_label_map(arguments.labels);
   const LabelMesh meshed = mesh_labels(map, options_for(arguments, map), terminal_progress());
   for (const std::string& note : meshed.notes) warn(note);
-  write_label_mesh(arguments.folder, meshed, arguments.labels.filename().string());
-  write_preview(arguments.folder / "preview.png", meshed);
+  std::vector<std::string> files = label_mesh_files(meshed);
+  files.insert(files.begin(), "preview.png");
+  folder.fill(
+      [&](const std::filesystem::path& place) {
+        write_label_mesh(place, meshed, arguments.labels.filename().string());
+        write_preview(place / "preview.png", meshed);
+      },
+      files);
   print_table(meshed);
   say("wrote " + (arguments.folder / "model.toml").string() + " (" + std::to_string(meshed.tries) + " meshes made, " +
       seconds_text(watch.lap()) + ")");

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "app/commands.h"
+#include "app/staged_folder.h"
 #include "app/terminal.h"
-#include "calot/base/error.h"
 #include "calot/patient/phantom.h"
 
 namespace calot {
@@ -18,13 +18,15 @@ struct PhantomArguments {
 };
 
 void write_phantom(const std::filesystem::path& folder, std::uint64_t seed) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (code) throw FailedError(folder.string(), "the folder can't be made: " + code.message(), "choose another one");
+  StagedFolder staged(folder);
   const Phantom phantom = make_phantom(seed, 0.6e-3, &terminal_progress());
-  write_ct(folder / "ct.nii.gz", phantom.ct);
-  write_label_map(folder / "labels.nii.gz", phantom.labels);
-  write_markups(folder / "ducts.mrk.json", phantom.ducts);
+  staged.fill(
+      [&](const std::filesystem::path& place) {
+        write_ct(place / "ct.nii.gz", phantom.ct);
+        write_label_map(place / "labels.nii.gz", phantom.labels);
+        write_markups(place / "ducts.mrk.json", phantom.ducts);
+      },
+      {"ct.nii.gz", "ducts.mrk.json", "labels.nii.gz"});
   const PhantomFacts& f = phantom.facts;
   char line[300];
   std::snprintf(line, sizeof line,

@@ -202,26 +202,27 @@ std::string file_name_of(const MeshedRegion& region) {
   return name.find_first_not_of('_') == std::string::npos ? "region_" + std::to_string(region.label) : name;
 }
 
-std::vector<std::string> write_label_mesh(const std::filesystem::path& folder, const LabelMesh& meshed,
-                                          const std::string& source) {
-  std::error_code code;
-  std::filesystem::create_directories(folder, code);
-  if (code) throw FailedError(folder.string(), "the folder can't be made: " + code.message(), "choose another one");
-  const TetMesh scaled = in_mm(meshed.mesh);
+std::vector<std::string> label_mesh_files(const LabelMesh& meshed) {
   std::vector<std::string> files{"mesh.msh", "mesh.vtu"};
-  write_mesh(folder / files[0], scaled);
-  write_mesh(folder / files[1], scaled);
   for (const MeshedRegion& region : meshed.regions) {
     std::string name = file_name_of(region) + ".stl";
     if (std::find(files.begin(), files.end(), name) != files.end())
       name = file_name_of(region) + "_" + std::to_string(region.label) + ".stl";
-    write_surface(folder / name, region_surface(scaled, region.label));
     files.push_back(name);
   }
-  write_file(folder / "quality.json", [&](std::ostream& out) { out << report(meshed, source).dump(2) << '\n'; });
-  write_file(folder / "model.toml", [&](std::ostream& out) { write_model(out, meshed, source); });
   files.insert(files.end(), {"quality.json", "model.toml"});
   return files;
+}
+
+void write_label_mesh(const std::filesystem::path& folder, const LabelMesh& meshed, const std::string& source) {
+  const std::vector<std::string> files = label_mesh_files(meshed);
+  const TetMesh scaled = in_mm(meshed.mesh);
+  write_mesh(folder / "mesh.msh", scaled);
+  write_mesh(folder / "mesh.vtu", scaled);
+  for (std::size_t r = 0; r < meshed.regions.size(); ++r)
+    write_surface(folder / files[2 + r], region_surface(scaled, meshed.regions[r].label));
+  write_file(folder / "quality.json", [&](std::ostream& out) { out << report(meshed, source).dump(2) << '\n'; });
+  write_file(folder / "model.toml", [&](std::ostream& out) { write_model(out, meshed, source); });
 }
 
 }  // namespace calot

@@ -24,12 +24,14 @@ struct Support {
 /// - with one region: its upper end, the topmost tenth.
 Support choose_support(const LabelMesh& meshed);
 
-/// Writes mesh.msh and mesh.vtu (mm), one .stl a region (mm), quality.json and, last, model.toml into a folder, which
-/// is made if it isn't there. Files are written whole or not at all.
+/// The names of the files that `write_label_mesh` writes, model.toml last: mesh.msh, mesh.vtu, an .stl a region,
+/// quality.json.
+std::vector<std::string> label_mesh_files(const LabelMesh& meshed);
+
+/// Writes the mesh and the surfaces (mm), quality.json and model.toml into a folder that exists; each file whole or not
+/// at all.
 /// @param source  what was meshed, for the comments: a file's name
-/// @return the names of the files
-std::vector<std::string> write_label_mesh(const std::filesystem::path& folder, const LabelMesh& meshed,
-                                          const std::string& source);
+void write_label_mesh(const std::filesystem::path& folder, const LabelMesh& meshed, const std::string& source);
 
 /// A region's name made fit for a file name: "common_bile_duct"; "region_7" without one.
 std::string file_name_of(const MeshedRegion& region);

@@ -25,8 +25,10 @@ TEST(LabelMeshFiles, the_phantom_is_held_at_both_ends_of_its_bile_duct) {
   options.vertices = 1200;
   Progress progress;
   const LabelMesh meshed = mesh_labels(phantom.labels, options, progress);
-  const auto files = write_label_mesh(folder / "made", meshed, "labels.nii.gz");
-  for (const std::string& file : files) EXPECT_TRUE(std::filesystem::exists(folder / "made" / file)) << file;
+  std::filesystem::create_directory(folder / "made");
+  write_label_mesh(folder / "made", meshed, "labels.nii.gz");
+  for (const std::string& file : label_mesh_files(meshed))
+    EXPECT_TRUE(std::filesystem::exists(folder / "made" / file)) << file;
   EXPECT_TRUE(std::filesystem::exists(folder / "made" / "common_bile_duct.stl"));
   const Model model = load_model(folder / "made" / "model.toml");
   ASSERT_EQ(model.mesh().vertex_count(), meshed.mesh.vertex_count());
