@@ -140,9 +140,13 @@ void check_forces(const std::vector<PointForce>& forces, const Model& model) {
     if (vertex >= model.mesh().vertex_count())
       throw InputError("--force", "vertex " + std::to_string(vertex) + " is not in the mesh",
                        "use 0 to " + std::to_string(model.mesh().vertex_count() - 1));
-    if (model.is_fixed(force.vertex))
-      warn("vertex " + std::to_string(vertex) + " is fixed: a force on it does nothing");
   }
+}
+
+void warn_about_idle(const std::vector<PointForce>& forces, const Model& model) {
+  for (const PointForce& force : forces)
+    if (model.is_fixed(force.vertex))
+      warn("vertex " + std::to_string(force.vertex.value) + " is fixed: a force on it does nothing");
 }
 
 }  // namespace calot

@@ -39,7 +39,9 @@ void add_repeated(CLI::App& command, const std::string& name, std::vector<std::s
 std::string ending_of(const std::filesystem::path& path);
 /// Throws InputError unless the file's folder exists and the name is no folder, so that long work isn't done in vain.
 void check_output_file(const std::filesystem::path& path);
-/// Throws InputError for a vertex that the mesh doesn't have; warns where the force does nothing.
+/// Throws InputError for a vertex that the mesh doesn't have.
 void check_forces(const std::vector<PointForce>& forces, const Model& model);
+/// Warns of forces on fixed vertices.
+void warn_about_idle(const std::vector<PointForce>& forces, const Model& model);
 
 }  // namespace calot

@@ -140,14 +140,16 @@ void run_compare(const CompareArguments& arguments) {
   const Model model = load_model(arguments.model);
   check_forces(forces, model);
   const Comparison comparison = compare(model, blades, arguments.cut.options(), forces, &terminal_progress());
-  if (comparison.edit.removed.empty()) warn("the cut removes nothing");
-  const std::filesystem::path& place = folder.open();
   const nlohmann::ordered_json json = to_json(comparison);
-  write_csv(place / "compare.csv", json["methods"]);
-  write_file(place / "compare.json", [&](std::ostream& out) { out << json.dump(2) << '\n'; });
-  write_fields(place / "compare.vtu", comparison);
-  write_overlay(place / "compare.png", comparison);
-  folder.commit({"compare.csv", "compare.vtu", "compare.png", "compare.json"});
+  const auto write = [&](const std::filesystem::path& place) {
+    write_csv(place / "compare.csv", json["methods"]);
+    write_file(place / "compare.json", [&](std::ostream& out) { out << json.dump(2) << '\n'; });
+    write_fields(place / "compare.vtu", comparison);
+    write_overlay(place / "compare.png", comparison);
+  };
+  folder.fill(write, {"compare.csv", "compare.vtu", "compare.png", "compare.json"});
+  if (comparison.edit.removed.empty()) warn("the cut removes nothing");
+  warn_about_idle(forces, model);
   for (const std::string& note : comparison.edit.report.notes) say("note: " + note);
   print_table(comparison);
   say("wrote " + folder.target().string());

@@ -102,7 +102,6 @@ CutResult run_method(const CommandArguments& arguments) {
   CutResult result{.edit = std::move(edit), .model = std::move(model)};
   result.select = watch.lap();
   result.notes = result.edit.report.notes;
-  if (result.edit.removed.empty()) warn("the cut removes nothing");
   if (arguments.method == "exact") cut_exactly(arguments, result);
   if (arguments.method == "paper") cut_as_the_paper(arguments, result);
   if (arguments.method == "recompute") cut_and_recompute(arguments, result);
@@ -166,16 +165,17 @@ void write_compliance(const std::filesystem::path& folder, const CutResult& resu
     save_full_compliance(folder / "C.h5", result.full, written, result.float32, &terminal_progress(), true);
 }
 
-void write_results(const CommandArguments& arguments, const CutResult& result, StagedFolder& folder,
+void write_results(const CommandArguments& arguments, const CutResult& result, StagedFolder& output,
                    Stopwatch& since_start) {
-  const std::filesystem::path& place = folder.open();
-  write_mesh(place / "cut.msh", result.model.mesh());
-  save_model(place / "model.toml", result.model, "cut.msh");
-  write_compliance(place, result);
-  write_vertex_map(place / "vertex_map.csv", result.remap);
-  const std::string summary = summarise(arguments, result, since_start.lap()).dump(2);
-  write_file(place / "summary.json", [&](std::ostream& out) { out << summary << '\n'; });
-  folder.commit({"cut.msh", "model.toml", "C.h5", "vertex_map.csv", "summary.json"});
+  const auto write = [&](const std::filesystem::path& folder) {
+    write_mesh(folder / "cut.msh", result.model.mesh());
+    save_model(folder / "model.toml", result.model, "cut.msh");
+    write_compliance(folder, result);
+    write_vertex_map(folder / "vertex_map.csv", result.remap);
+    const std::string summary = summarise(arguments, result, since_start.lap()).dump(2);
+    write_file(folder / "summary.json", [&](std::ostream& out) { out << summary << '\n'; });
+  };
+  output.fill(write, {"cut.msh", "model.toml", "C.h5", "vertex_map.csv", "summary.json"});
 }
 
 /// The output has a model.toml and a C.h5 of its own: they must not fall on the ones being read.
@@ -195,6 +195,7 @@ void run_cut(const CommandArguments& arguments) {
   check_folder(arguments);
   const CutResult result = run_method(arguments);
   write_results(arguments, result, folder, since_start);
+  if (result.edit.removed.empty()) warn("the cut removes nothing");
   for (const std::string& note : result.notes) say("note: " + note);
   say("removed " + std::to_string(result.edit.removed.size()) + " tetrahedra and " +
       std::to_string(result.remap.orphaned.size()) + " vertices; " +

@@ -31,6 +31,10 @@ int main(int argc, char** argv) {
   try {
     calot::handle_signals();
     add_commands(app);
+    const std::string first = argc > 1 ? argv[1] : "-";
+    const auto called = [&](const CLI::App* command) { return command->get_name() == first; };
+    if (first[0] != '-' && app.get_subcommands(called).empty())
+      return calot::report_usage("there is no command \"" + first + "\"; try calot --help");
     app.parse(argc, argv);
     std::cout.flush();
     if (!std::cout) return calot::report_usage("standard output can't be written");

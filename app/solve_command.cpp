@@ -63,6 +63,7 @@ void run_solve(const SolveArguments& arguments) {
     write_csv(arguments.output, u);
   else
     write_vtu(arguments.output, model, u);
+  warn_about_idle(forces, model);
   double peak = 0;
   for (const Vec3& displacement : u) peak = std::max(peak, displacement.norm());
   say("largest displacement " + number_text(1000 * peak) + " mm; wrote " + arguments.output.string());

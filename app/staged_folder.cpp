@@ -24,6 +24,19 @@ StagedFolder::~StagedFolder() {
     fs::remove(parent, ignored);  // only those that are empty
 }
 
+void StagedFolder::fill(const std::function<void(const fs::path&)>& write, const std::vector<std::string>& files) {
+  open();
+  try {
+    write(folder_);
+  } catch (const Error& error) {
+    std::string text = error.what();
+    const std::size_t place = text.find(folder_.string());
+    if (place == std::string::npos) throw;
+    throw Error(error.kind(), "", text.replace(place, folder_.string().size(), target_.string()));
+  }
+  commit(files);
+}
+
 const fs::path& StagedFolder::open() {
   std::error_code code;
   const fs::path parent = fs::absolute(target_, code).parent_path();

@@ -1,6 +1,7 @@
 // Several files that appear together or not at all.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,15 @@ class StagedFolder {
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
 
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
+  /// Makes the folder, lets `write` fill it, and commits. Throws what `write` throws, with the target's name for the
+  /// folder's.
+  void fill(const std::function<void(const std::filesystem::path& folder)>& write,
+            const std::vector<std::string>& files);
+
   /// Makes the folder to fill. Throws FailedError.
   const std::filesystem::path& open();
-  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
-  /// Renames the folder; where the target exists already, renames the files into it, in this order.
+  /// Renames the folder to the target; where that exists already, renames the files into it, in this order.
   void commit(const std::vector<std::string>& files);
 
  private:
