@@ -20,22 +20,37 @@ Progress& progress_of(const BenchOptions& options) {
   return options.progress ? *options.progress : silent;
 }
 
+// With fewer vertices than this a mesh can't follow a 3 mm duct: the gallbladder alone is meshed then, and cut across.
+constexpr std::size_t least_for_ducts = 390;
+
+// Both ends of the common bile duct; of a gallbladder alone its lower end.
+std::vector<std::uint8_t> supports(const TetMesh& mesh, const Phantom& phantom, bool with_ducts) {
+  std::vector<std::uint8_t> fixed(mesh.vertex_count(), 0);
+  if (!with_ducts) {
+    double low = 1e300, high = -1e300;
+    for (const Vec3& p : mesh.positions) low = std::min(low, p.z()), high = std::max(high, p.z());
+    for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = mesh.positions[v].z() < low + 0.15 * (high - low);
+    return fixed;
+  }
+  const auto line = std::find_if(phantom.ducts.begin(), phantom.ducts.end(),
+                                 [](const Centreline& d) { return d.name == "common bile duct"; });
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    if (mesh.regions[t] != phantom_label::common_bile_duct) continue;
+    for (const VertexId v : mesh.tets[t])
+      for (const Vec3& end : {line->points.front(), line->points.back()})
+        if ((mesh.position(v) - end).norm() < 5e-3) fixed[v.index()] = 1;
+  }
+  return fixed;
+}
+
 Model phantom_model(const BenchOptions& options, std::size_t vertices, double time_step) {
   const Phantom phantom = make_phantom(1, 0.6e-3, options.progress);
   MesherOptions mesher;
   mesher.vertices = vertices;
-  if (vertices < 1000)
-    mesher.min_dihedral = 0;  // So few tets can't follow a 3 mm duct and stay round; size matters here.
+  const bool with_ducts = vertices >= least_for_ducts;
+  if (!with_ducts) mesher.labels = {phantom_label::gallbladder};
   LabelMesh meshed = mesh_labels(phantom.labels, mesher, progress_of(options));
-  const auto bile_duct = std::find_if(phantom.ducts.begin(), phantom.ducts.end(),
-                                      [](const Centreline& d) { return d.name == "common bile duct"; });
-  std::vector<std::uint8_t> fixed(meshed.mesh.vertex_count(), 0);
-  for (std::size_t t = 0; t < meshed.mesh.tet_count(); ++t) {
-    if (meshed.mesh.regions[t] != phantom_label::common_bile_duct) continue;
-    for (const VertexId v : meshed.mesh.tets[t])
-      for (const Vec3& end : {bile_duct->points.front(), bile_duct->points.back()})
-        if ((meshed.mesh.position(v) - end).norm() < 5e-3) fixed[v.index()] = 1;
-  }
+  std::vector<std::uint8_t> fixed = supports(meshed.mesh, phantom, with_ducts);
   std::map<std::int32_t, Material> materials;
   for (const std::int32_t region : meshed.mesh.regions) materials[region] = Material{};
   Dynamics dynamics;
@@ -48,6 +63,7 @@ std::string duct_of(const Model& model) {
   for (const auto& [region, name] : model.mesh().region_names)
     if (name == "cystic duct") return name;
   if (std::find(model.mesh().regions.begin(), model.mesh().regions.end(), 3) != model.mesh().regions.end()) return "3";
+  if (model.mesh().region_names.size() == 1) return "*";
   throw InputError("--model", "has no region named \"cystic duct\" nor numbered 3", "name the region to cut so");
 }
 

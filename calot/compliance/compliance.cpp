@@ -133,9 +133,9 @@ std::unique_ptr<ComplianceBase> make_base(Backend backend, const std::shared_ptr
 
 }  // namespace
 
-void Compliance::Impl::lay_out_rows() {
+void Compliance::Impl::lay_out_rows(std::shared_ptr<const FactorPattern> made) {
   active = active_slots(*this);
-  pattern = std::make_shared<FactorPattern>(analyse(stiffness, active));
+  pattern = made ? std::move(made) : std::make_shared<FactorPattern>(analyse(stiffness, active));
   std::vector<std::uint32_t> slot_of_active;
   for (std::size_t s = 0; s < slots(); ++s)
     if (active[s]) slot_of_active.push_back(static_cast<std::uint32_t>(s));
@@ -378,6 +378,42 @@ Compliance Compliance::from_rows(const Model& model, const std::function<void(Ve
   }
   impl->base = std::make_unique<DenseBase>(std::move(matrix), n);
   return Compliance(std::move(impl));
+}
+
+const SparseFactor* Compliance::factor() const {
+  const auto* sparse = dynamic_cast<const SparseBase*>(impl_->base.get());
+  return sparse ? &sparse->factor() : nullptr;
+}
+
+std::vector<VertexId> Compliance::factor_vertices() const {
+  std::vector<std::int64_t> vertex_of_slot(impl_->slots(), -1);
+  for (std::size_t v = 0; v < vertex_count(); ++v)
+    vertex_of_slot[impl_->slot_of_vertex[v]] = static_cast<std::int64_t>(v);
+  std::vector<VertexId> vertices;
+  for (std::size_t s = 0; s < impl_->slots(); ++s)
+    if (impl_->active[s])
+      vertices.push_back(vertex_of_slot[s] < 0 ? VertexId::none()
+                                               : VertexId(static_cast<std::size_t>(vertex_of_slot[s])));
+  return vertices;
+}
+
+Compliance Compliance::from_factor(const Model& model, SparseFactor factor) {
+  blas::use_one_thread();
+  std::unique_ptr<Impl> impl = start(model, Backend::sparse);
+  const std::vector<std::uint8_t> active = active_slots(*impl);
+  const auto free = static_cast<std::size_t>(std::count(active.begin(), active.end(), 1));
+  if (factor.pattern().vertices() != free)
+    throw InputError("factor",
+                     "is of " + std::to_string(factor.pattern().vertices()) + " vertices, the model has " +
+                         std::to_string(free) + " free ones",
+                     "compute it again with `calot precompute --backend sparse`");
+  impl->lay_out_rows(factor.shared_pattern());
+  impl->base = std::make_unique<SparseBase>(std::move(factor));
+  Compliance compliance(std::move(impl));
+  if (const double drift = compliance.probe(); !(drift < 1e-3))
+    throw InputError("factor", "is not that of the model (residual " + std::to_string(drift) + ")",
+                     "compute it again with `calot precompute --backend sparse`");
+  return compliance;
 }
 
 void Compliance::copy_rows(VertexId first, std::size_t count, double* out) const {

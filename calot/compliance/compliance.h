@@ -13,6 +13,8 @@
 
 namespace calot {
 
+class SparseFactor;
+
 enum class Backend {
   dense,   ///< the whole matrix C in memory: any block at once
   sparse,  ///< the Cholesky factor of Â: columns on demand, small and quick to rebuild
@@ -87,6 +89,14 @@ class Compliance {
 
   /// Builds a dense compliance from rows read elsewhere: `read(first, count, rows)` fills 3·count rows of 3n values.
   static Compliance from_rows(const Model& model, const std::function<void(VertexId, std::size_t, double*)>& read);
+
+  /// The sparse factor; nullptr for dense. Pending corrections must have been folded. For writing files.
+  [[nodiscard]] const SparseFactor* factor() const;
+  /// The model's free vertices in the order that active vertices of a factor are numbered; |factor vertices|.
+  [[nodiscard]] std::vector<VertexId> factor_vertices() const;
+  /// Builds a sparse compliance around a factor read elsewhere. Throws InputError if it is not of the model's size, or
+  /// not its factor (by the drift probe).
+  static Compliance from_factor(const Model& model, SparseFactor factor);
 
   struct Impl;
   explicit Compliance(std::unique_ptr<Impl> impl);

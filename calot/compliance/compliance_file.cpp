@@ -10,6 +10,7 @@
 #include "calot/base/files.h"
 #include "calot/base/memory.h"
 #include "calot/compliance/hdf5_file.h"
+#include "calot/compliance/sparse_factor.h"
 
 namespace calot {
 namespace {
@@ -19,6 +20,9 @@ using detail::H5Writer;
 
 constexpr const char* matrix_path = "/compliance";
 constexpr const char* ids_path = "/node_ids";
+constexpr const char* factor_path = "/factor";
+constexpr std::uint64_t value_columns = 1024,
+                        value_rows = 512;  // how the factor's values lie in the file: 4 MB a chunk
 constexpr const char* compute_again = "compute it again with `calot precompute`";
 constexpr std::size_t block_bytes = std::size_t{4} << 20;  // of rows handed to HDF5 at once: a chunk
 
@@ -112,6 +116,71 @@ void write_rows(const std::filesystem::path& path, const Model& model, const Row
   partial.commit();
 }
 
+// ---- the sparse factor ----
+
+void write_factor(const std::filesystem::path& path, const Compliance& compliance, const Model& model,
+                  Progress* progress) {
+  if (progress != nullptr) progress->phase("write " + path.filename().string());
+  const SparseFactor& factor = *compliance.factor();
+  const FactorPattern& pattern = factor.pattern();
+  const std::vector<VertexId> vertices = compliance.factor_vertices();
+  std::vector<std::uint32_t> ordering;
+  for (const std::uint32_t active : pattern.perm) {
+    if (!vertices[active].valid())
+      throw InputError("compliance", "its factor still has rows of vertices that are gone",
+                       "call refresh() before saving");
+    ordering.push_back(vertices[active].value);
+  }
+  PartialFile partial(path);
+  H5Writer file(partial.path(), path.string());
+  write_head(file, model, used_vertices(model.mesh()), false);
+  file.group(factor_path);
+  file.vector("/factor/ordering", ordering);
+  file.vector("/factor/supernode_start", pattern.super_start);
+  file.vector("/factor/row_start", std::vector<std::int64_t>(pattern.row_start.begin(), pattern.row_start.end()));
+  file.vector("/factor/rows", pattern.rows);
+  const std::uint64_t count = pattern.panel_start.back(), rows = (count + value_columns - 1) / value_columns;
+  file.matrix("/factor/values", rows, value_columns, std::min(rows, value_rows), false);
+  std::vector<double> block(value_rows * value_columns);
+  for (std::uint64_t row = 0; row < rows; row += value_rows) {
+    const std::uint64_t first = row * value_columns, here = std::min<std::uint64_t>(block.size(), count - first);
+    std::fill(std::copy_n(factor.panel(0) + first, here, block.begin()), block.end(), 0.0);
+    file.write_rows(row, std::min<std::uint64_t>(value_rows, rows - row), block.data());
+    if (progress != nullptr) progress->at(static_cast<double>(first + here) / static_cast<double>(count));
+  }
+  file.close();
+  partial.commit();
+}
+
+Compliance read_factor(H5Reader& file, const Model& model, Progress* progress) {
+  const std::uint64_t n = model.mesh().vertex_count(), most_rows = n * n;
+  // Active vertices are the free ones that tets use, ascending.
+  std::vector<std::uint32_t> active(n, ~0u);
+  std::uint32_t free = 0;
+  for (const std::uint32_t v : used_vertices(model.mesh()))
+    if (!model.is_fixed(VertexId(v))) active[v] = free++;
+  std::vector<std::uint32_t> perm = file.vector<std::uint32_t>("/factor/ordering", n);
+  for (std::uint32_t& v : perm) {
+    if (v >= n || active[v] == ~0u) file.refuse("its ordering names a vertex that is not free", compute_again);
+    v = active[v];
+  }
+  const std::vector<std::int64_t> starts = file.vector<std::int64_t>("/factor/row_start", n + 1);
+  auto pattern = std::make_shared<FactorPattern>(
+      complete_pattern(std::move(perm), file.vector<std::uint32_t>("/factor/supernode_start", n + 1),
+                       {starts.begin(), starts.end()}, file.vector<std::uint32_t>("/factor/rows", most_rows)));
+  const std::uint64_t count = pattern->panel_start.back(), rows = (count + value_columns - 1) / value_columns;
+  const H5Reader::Shape shape = file.open_matrix("/factor/values");
+  if (shape.rows != rows || shape.columns != value_columns)
+    file.refuse("its factor has another number of values than its rows need", compute_again);
+  require_memory(count * sizeof(double), "the factor");
+  Buffer values(rows * value_columns);
+  for (std::uint64_t row = 0; row < rows; row += value_rows) {
+    file.read_rows(row, std::min<std::uint64_t>(value_rows, rows - row), values.data() + row * value_columns);
+    if (progress != nullptr) progress->at(static_cast<double>(row) / static_cast<double>(rows));
+  }
+  return Compliance::from_factor(model, SparseFactor(std::move(pattern), std::move(values)));
+}
+
 // ---- reading ----
 
 /// {major, minor} of "1.2.3".
@@ -163,8 +232,8 @@ void check_model(const H5Reader& file, const Model& model) {
   if (fingerprint) file.refuse("was computed with other materials, supports or masses than the model's", compute_again);
 }
 
-/// Checks everything but the entries.
-ComplianceFileInfo check_head(H5Reader& file, const Model& model, const std::vector<std::uint32_t>& ids) {
+/// Checks version, model and node_ids.
+ComplianceFileInfo check_identity(const H5Reader& file, const Model& model, const std::vector<std::uint32_t>& ids) {
   ComplianceFileInfo info;
   info.calot_version = file.text_attribute("calot_version").value_or("");
   check_version(file, info.calot_version);
@@ -172,6 +241,15 @@ ComplianceFileInfo check_head(H5Reader& file, const Model& model, const std::vec
   if (file.vector<std::uint32_t>(ids_path, model.mesh().vertex_count()) != ids)
     file.refuse("its node_ids don't number the vertices of the model's mesh", compute_again);
   info.approximate = file.number_attribute("approximate").value_or(0) != 0;
+  info.backend = file.has(factor_path) ? Backend::sparse : Backend::dense;
+  return info;
+}
+
+/// Checks everything but the entries.
+ComplianceFileInfo check_head(H5Reader& file, const Model& model, const std::vector<std::uint32_t>& ids) {
+  ComplianceFileInfo info = check_identity(file, model, ids);
+  if (info.backend == Backend::sparse)
+    file.refuse("holds a sparse factor, not the whole matrix", "compute it again with --backend dense");
   const H5Reader::Shape shape = file.open_matrix(matrix_path);
   info.float32 = shape.float32;
   if (shape.rows != 3 * ids.size() || shape.columns != 3 * ids.size())
@@ -222,6 +300,10 @@ void save_compliance(const std::filesystem::path& path, const Compliance& compli
                      Progress* progress) {
   if (compliance.pending_rank() != 0)
     throw InputError("compliance", "has corrections that wait to be folded in", "call fold() before saving");
+  if (compliance.factor() != nullptr) {
+    if (float32) throw InputError("compliance", "a sparse factor is written in 64 bits", "leave out float32");
+    return write_factor(path, compliance, model, progress);
+  }
   const RowSource source = [&](VertexId first, std::size_t count, double* rows) {
     compliance.copy_rows(first, count, rows);
   };
@@ -240,12 +322,16 @@ void save_full_compliance(const std::filesystem::path& path, const FullComplianc
 
 ComplianceFileInfo read_compliance_info(const std::filesystem::path& path, const Model& model) {
   H5Reader file(path);
-  return check_head(file, model, used_vertices(model.mesh()));
+  const std::vector<std::uint32_t> ids = used_vertices(model.mesh());
+  const ComplianceFileInfo info = check_identity(file, model, ids);
+  return info.backend == Backend::sparse ? info : check_head(file, model, ids);
 }
 
 Compliance load_compliance(const std::filesystem::path& path, const Model& model, Progress* progress) {
   const std::vector<std::uint32_t> ids = used_vertices(model.mesh());
   H5Reader file(path);
+  if (progress != nullptr) progress->phase("read " + path.filename().string());
+  if (check_identity(file, model, ids).backend == Backend::sparse) return read_factor(file, model, progress);
   if (check_head(file, model, ids).approximate)
     file.refuse("holds the paper's approximate update, which is not the inverse of the cut model", compute_again);
   if (progress != nullptr) progress->phase("read " + path.filename().string());

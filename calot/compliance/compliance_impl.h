@@ -62,7 +62,7 @@ struct Compliance::Impl {
   [[nodiscard]] Eigen::MatrixXd to_slots(const Eigen::MatrixXd& x) const;
   /// C F over slots, refined; couplings between groups are exactly zero.
   [[nodiscard]] Eigen::MatrixXd apply(const Eigen::MatrixXd& forces, int refinements) const;
-  void lay_out_rows();  // analyses Â and gives every active slot its rows
+  void lay_out_rows(std::shared_ptr<const FactorPattern> made = {});  // analyses Â and gives every active slot its rows
   void build(Progress* progress);
   [[nodiscard]] std::function<std::unique_ptr<ComplianceBase>()> fold_work();
   void adopt(std::unique_ptr<ComplianceBase> folded);

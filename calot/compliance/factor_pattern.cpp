@@ -1,8 +1,8 @@
 #include <cholmod.h>
 
-#include <memory>
+#include <algorithm>
 #include <mutex>
-#include <numeric>
+#include <string>
 
 #include "calot/base/error.h"
 #include "calot/compliance/sparse_factor.h"
@@ -55,46 +55,89 @@ Graph active_graph(const BlockMatrix& matrix, std::span<const std::uint8_t> acti
   return graph;
 }
 
-void fill(FactorPattern& pattern, const cholmod_factor& factor) {
-  const auto n = factor.n, supers = factor.nsuper;
+FactorPattern pattern_of(const cholmod_factor& factor) {
+  const std::size_t n = factor.n, supers = factor.nsuper;
   const auto* perm = static_cast<const SuiteSparse_long*>(factor.Perm);
   const auto* super = static_cast<const SuiteSparse_long*>(factor.super);
   const auto* start = static_cast<const SuiteSparse_long*>(factor.pi);
   const auto* rows = static_cast<const SuiteSparse_long*>(factor.s);
-  pattern.perm.assign(perm, perm + n);
-  pattern.position.resize(n);
-  for (std::size_t p = 0; p < n; ++p) pattern.position[pattern.perm[p]] = static_cast<std::uint32_t>(p);
-  pattern.super_start.assign(super, super + supers + 1);
-  pattern.super_of.resize(n);
-  pattern.row_start.push_back(0);
-  pattern.panel_start.push_back(0);
+  std::vector<std::uint64_t> row_start{0};
+  std::vector<std::uint32_t> below;
   for (std::size_t s = 0; s < supers; ++s) {
-    const std::uint64_t own = pattern.own(s);
-    for (std::uint32_t p = pattern.super_start[s]; p < pattern.super_start[s + 1]; ++p)
-      pattern.super_of[p] = static_cast<std::uint32_t>(s);
-    pattern.rows.insert(pattern.rows.end(), rows + start[s] + own, rows + start[s + 1]);
-    pattern.row_start.push_back(pattern.rows.size());
-    const std::uint64_t below = pattern.below(s);
-    pattern.panel_start.push_back(pattern.panel_start.back() + 9 * own * (own + below));
-    const double c = 3.0 * static_cast<double>(own), r = 3.0 * static_cast<double>(below);
-    pattern.nonzeros += c * (c + 1) / 2 + r * c;
-    pattern.flops += c * c * c / 3 + r * c * c + r * r * c;
+    below.insert(below.end(), rows + start[s] + (super[s + 1] - super[s]), rows + start[s + 1]);
+    row_start.push_back(below.size());
   }
-  pattern.parent.resize(supers);
-  for (std::size_t s = 0; s < supers; ++s)
-    pattern.parent[s] = pattern.below(s) ? static_cast<std::int32_t>(pattern.super_of[pattern.rows_of(s)[0]]) : -1;
+  return complete_pattern({perm, perm + n}, {super, super + supers + 1}, std::move(row_start), std::move(below));
+}
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw InputError("factor", what, "compute it again with `calot precompute --backend sparse`");
+}
+
+void check_order(const FactorPattern& f) {
+  const std::size_t n = f.perm.size();
+  std::vector<std::uint8_t> seen(n, 0);
+  for (const std::uint32_t v : f.perm) {
+    if (v >= n || seen[v]) refuse("its ordering is no permutation");
+    seen[v] = 1;
+  }
+  if (f.super_start.empty() || f.super_start.front() != 0 || f.super_start.back() != n)
+    refuse("its supernodes don't cover its rows");
+  for (std::size_t s = 0; s + 1 < f.super_start.size(); ++s)
+    if (f.super_start[s] >= f.super_start[s + 1]) refuse("its supernodes are not in order");
+  if (f.row_start.size() != f.super_start.size() || f.row_start.front() != 0 || f.row_start.back() != f.rows.size())
+    refuse("its row counts don't fit its supernodes");
+  for (std::size_t s = 0; s + 1 < f.row_start.size(); ++s)
+    if (f.row_start[s] > f.row_start[s + 1]) refuse("its row counts are not in order");
+}
+
+// Rows ascend, lie below, and those that are not the parent's own are among the parent's rows: the elimination needs
+// it.
+void check_rows(const FactorPattern& f, std::size_t s) {
+  const std::span<const std::uint32_t> rows = f.rows_of(s);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i] < f.super_start[s + 1] || rows[i] >= f.vertices() || (i > 0 && rows[i] <= rows[i - 1]))
+      refuse("its rows are not in order");
+  if (rows.empty()) return;
+  const std::size_t parent = f.super_of[rows.front()];
+  const std::span<const std::uint32_t> above = f.rows_of(parent);
+  const auto first = std::lower_bound(rows.begin(), rows.end(), f.super_start[parent + 1]);
+  if (!std::includes(above.begin(), above.end(), first, rows.end())) refuse("its rows are not those of an elimination");
 }
 
 }  // namespace
 
+FactorPattern complete_pattern(std::vector<std::uint32_t> perm, std::vector<std::uint32_t> super_start,
+                               std::vector<std::uint64_t> row_start, std::vector<std::uint32_t> rows) {
+  FactorPattern f;
+  f.perm = std::move(perm);
+  f.super_start = std::move(super_start);
+  f.row_start = std::move(row_start);
+  f.rows = std::move(rows);
+  check_order(f);
+  const std::size_t n = f.vertices(), supers = f.super_start.size() - 1;
+  f.position.resize(n);
+  for (std::size_t p = 0; p < n; ++p) f.position[f.perm[p]] = static_cast<std::uint32_t>(p);
+  f.super_of.resize(n);
+  for (std::size_t s = 0; s < supers; ++s)
+    for (std::uint32_t p = f.super_start[s]; p < f.super_start[s + 1]; ++p)
+      f.super_of[p] = static_cast<std::uint32_t>(s);
+  f.panel_start.push_back(0);
+  for (std::size_t s = 0; s < supers; ++s) {
+    check_rows(f, s);
+    const std::uint64_t own = f.own(s), below = f.below(s);
+    f.parent.push_back(below > 0 ? static_cast<std::int32_t>(f.super_of[f.rows_of(s).front()]) : -1);
+    f.panel_start.push_back(f.panel_start.back() + 9 * own * (own + below));
+    const double c = 3.0 * static_cast<double>(own), r = 3.0 * static_cast<double>(below);
+    f.nonzeros += c * (c + 1) / 2 + r * c;
+    f.flops += c * c * c / 3 + r * c * c + r * r * c;
+  }
+  return f;
+}
+
 FactorPattern analyse(const BlockMatrix& matrix, std::span<const std::uint8_t> active) {
   Graph graph = active_graph(matrix, active);
-  FactorPattern pattern;
-  if (graph.start.size() == 1) {
-    pattern.super_start = {0};
-    pattern.row_start = pattern.panel_start = {0};
-    return pattern;
-  }
+  if (graph.start.size() == 1) return complete_pattern({}, {0}, {0}, {});
   Cholmod cholmod;
   cholmod_sparse lower{};
   lower.nrow = lower.ncol = graph.start.size() - 1;
@@ -109,7 +152,7 @@ FactorPattern analyse(const BlockMatrix& matrix, std::span<const std::uint8_t> a
   cholmod_factor* factor = cholmod_l_analyze(&lower, &cholmod.common);
   if (!factor)
     throw FailedError("memory", "the analysis of the stiffness matrix ran out of memory", "use a coarser mesh");
-  fill(pattern, *factor);
+  FactorPattern pattern = pattern_of(*factor);
   cholmod_l_free_factor(&factor, &cholmod.common);
   return pattern;
 }

@@ -34,6 +34,16 @@ struct FactorPattern {
   }
 };
 
+/// Completes a pattern from its ordering and its rows, as read from a file; everything is checked, as numbers from
+/// elsewhere.
+/// @param perm         n, position → active vertex, a permutation
+/// @param super_start  first position of each supernode and, last, n
+/// @param row_start    into `rows`, one a supernode and, last, their number
+/// @param rows         positions below each supernode's own, ascending; those beyond its parent are the parent's too
+/// Throws InputError saying which of this does not hold.
+FactorPattern complete_pattern(std::vector<std::uint32_t> perm, std::vector<std::uint32_t> super_start,
+                               std::vector<std::uint64_t> row_start, std::vector<std::uint32_t> rows);
+
 /// Orders (nested dissection) and analyses the rows and columns of `matrix` for which active is 1.
 /// @param active  one flag a block row; the k-th active row is active vertex k
 /// Source: Davis 2006, ch. 4; METIS (Karypis & Kumar 1998) through CHOLMOD (Chen et al. 2008).
@@ -48,6 +58,10 @@ class SparseFactor {
   SparseFactor(std::shared_ptr<const FactorPattern> pattern, const BlockMatrix& matrix,
                std::span<const std::uint8_t> active, std::span<const std::uint8_t> dead = {},
                Progress* progress = nullptr);
+
+  /// A factor computed before; `values` are its panels, pattern->panel_start.back() of them.
+  SparseFactor(std::shared_ptr<const FactorPattern> pattern, Buffer values)
+      : pattern_(std::move(pattern)), values_(std::move(values)) {}
 
   [[nodiscard]] const FactorPattern& pattern() const { return *pattern_; }
   [[nodiscard]] const std::shared_ptr<const FactorPattern>& shared_pattern() const { return pattern_; }

@@ -60,13 +60,15 @@ TEST_P(ExactUpdate, RandomTets) {
 TEST_P(ExactUpdate, ThroughTheDuctLeavingAPartOfItsOwn) {
   Model m = model();
   Compliance compliance = compute(m);
-  cut_and_compare(m, compliance, test::tets_where(m.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }));
+  cut_and_compare(m, compliance,
+                  test::tets_where(m.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }));
 }
 
 TEST_P(ExactUpdate, OrphaningVertices) {
   Model m = model();
   Compliance compliance = compute(m);
-  const std::vector<TetId> tets = test::tets_where(m.mesh(), [](const Vec3& c) { return c.x() > 0.012 && c.x() < 0.028; });
+  const std::vector<TetId> tets =
+      test::tets_where(m.mesh(), [](const Vec3& c) { return c.x() > 0.012 && c.x() < 0.028; });
   ASSERT_FALSE(extent_of(m.mesh(), vertex_tets(m.mesh()), {tets, {}, {}}).orphaned.empty());
   cut_and_compare(m, compliance, tets);
 }
@@ -76,7 +78,8 @@ TEST_P(ExactUpdate, TouchingFixedVertices) {
   Compliance compliance = compute(m);
   std::vector<TetId> tets;
   for (std::size_t t = 0; t < m.mesh().tet_count() && tets.size() < 10; t += 3)
-    if (std::any_of(m.mesh().tets[t].begin(), m.mesh().tets[t].end(), [&](VertexId v) { return m.is_fixed(v); })) tets.push_back(TetId(t));
+    if (std::any_of(m.mesh().tets[t].begin(), m.mesh().tets[t].end(), [&](VertexId v) { return m.is_fixed(v); }))
+      tets.push_back(TetId(t));
   ASSERT_EQ(tets.size(), 10u);
   cut_and_compare(m, compliance, tets);
 }
@@ -116,13 +119,16 @@ TEST_P(ExactUpdate, ManyCutsOneAfterAnother) {
     if (seed == 10) compliance.fold();
   }
   const Compliance reference = compute(m);
-  EXPECT_LE(test::worst_column(compliance, reference, test::sample_dofs(m.mesh().vertex_count())), test::bound(reference));
+  EXPECT_LE(test::worst_column(compliance, reference, test::sample_dofs(m.mesh().vertex_count())),
+            test::bound(reference));
   EXPECT_LE(compliance.probe(), test::bound(reference));
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryStep, ExactUpdate,
-                         testing::Values(Case{0, Backend::dense}, Case{0.005, Backend::dense}, Case{0.02, Backend::dense}, Case{0.1, Backend::dense},
-                                         Case{1.0, Backend::dense}, Case{0, Backend::sparse}, Case{0.02, Backend::sparse}, Case{1.0, Backend::sparse}),
+                         testing::Values(Case{0, Backend::dense}, Case{0.005, Backend::dense},
+                                         Case{0.02, Backend::dense}, Case{0.1, Backend::dense},
+                                         Case{1.0, Backend::dense}, Case{0, Backend::sparse},
+                                         Case{0.02, Backend::sparse}, Case{1.0, Backend::sparse}),
                          [](const auto& tested) {
                            return std::string(tested.param.backend == Backend::dense ? "dense" : "sparse") + "_" +
                                   std::to_string(static_cast<int>(tested.param.time_step * 1000)) + "ms";

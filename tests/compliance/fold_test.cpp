@@ -33,7 +33,8 @@ TEST_P(Fold, CutsDuringAFoldAreKept) {
   compliance.adopt_fold();
   EXPECT_GT(compliance.pending_rank(), 0u);
   const Compliance reference = precompute(model, {GetParam()});
-  EXPECT_LE(test::worst_column(compliance, reference, test::sample_dofs(model.mesh().vertex_count())), test::bound(reference));
+  EXPECT_LE(test::worst_column(compliance, reference, test::sample_dofs(model.mesh().vertex_count())),
+            test::bound(reference));
 }
 
 // The same steps, with a pause before the adoption or without: the same bits.
@@ -59,7 +60,8 @@ TEST_P(Fold, AnswersDoNotDependOnWhenTheBackgroundIsDone) {
 TEST_P(Fold, ASeveredPartDoesNotMoveToTheLastBit) {
   Model model = test::biliary_model(0.02);
   Compliance compliance = precompute(model, {GetParam()});
-  const StiffnessChange change = model.apply({test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }), {}, {}});
+  const StiffnessChange change = model.apply(
+      {test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }), {}, {}});
   compliance.update(change);
   ASSERT_GE(face_connected_parts(model.mesh()).count(), 2u);
   for (const bool folded : {false, true}) {

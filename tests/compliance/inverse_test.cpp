@@ -57,7 +57,8 @@ TEST(Inverse, AgreesWithADenseInverse) {
     }
   Eigen::MatrixXd expected = a.llt().solve(Eigen::MatrixXd::Identity(n, n));
   for (std::size_t v = 0; v < model.mesh().vertex_count(); ++v)
-    if (model.is_fixed(VertexId(v))) expected.block<3, 3>(static_cast<Eigen::Index>(3 * v), static_cast<Eigen::Index>(3 * v)).setZero();
+    if (model.is_fixed(VertexId(v)))
+      expected.block<3, 3>(static_cast<Eigen::Index>(3 * v), static_cast<Eigen::Index>(3 * v)).setZero();
   const Eigen::Map<const Eigen::MatrixXd> c(full.values.data(), n, n);
   EXPECT_LT((c - expected).cwiseAbs().maxCoeff(), 1e-11 * expected.cwiseAbs().maxCoeff());
 }
@@ -76,7 +77,8 @@ TEST(Inverse, SparseAndDenseHomesAgree) {
 
 // A front large enough to be shared out in tiles: a solid block, whose separators are wide.
 TEST(Inverse, LargeFrontsSolveToo) {
-  const Model model = test::make_model(test::box_mesh(18, 18, 18, {0.1, 0.1, 0.1}), 0.02, [](const Vec3& p) { return p.z() < 1e-9; });
+  const Model model =
+      test::make_model(test::box_mesh(18, 18, 18, {0.1, 0.1, 0.1}), 0.02, [](const Vec3& p) { return p.z() < 1e-9; });
   const Compliance sparse = precompute(model, {Backend::sparse});
   EXPECT_LT(sparse.probe(), 1e-10);
 }

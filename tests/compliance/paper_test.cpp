@@ -43,7 +43,8 @@ void algorithm_2(FullCompliance& c, const std::vector<std::uint32_t>& part) {
 }
 
 TEST(Paper, AlgorithmOneStrikesRowsAndColumns) {
-  for (const std::set<std::size_t>& deleted : {std::set<std::size_t>{}, {0}, {9}, {3, 4, 5}, {0, 2, 9}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}) {
+  for (const std::set<std::size_t>& deleted :
+       {std::set<std::size_t>{}, {0}, {9}, {3, 4, 5}, {0, 2, 9}, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}}) {
     FullCompliance c = numbered(10);
     std::vector<VertexId> ids;
     for (const std::size_t v : deleted) ids.push_back(VertexId(v));
@@ -66,7 +67,8 @@ TEST(Paper, AlgorithmTwoZeroesBetweenParts) {
 TEST(Paper, UpdateAfterACutIsBothAlgorithms) {
   Model model = test::biliary_model(0.02);
   const FullCompliance before = precompute(model).full();
-  const StiffnessChange change = model.apply({test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.012 && c.x() < 0.028; }), {}, {}});
+  const StiffnessChange change = model.apply(
+      {test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.012 && c.x() < 0.028; }), {}, {}});
   ASSERT_FALSE(change.struck.empty());
   FullCompliance updated = before;
   paper_update(updated, change.struck, model.mesh());
@@ -87,7 +89,8 @@ TEST(Paper, ZeroingIsApproximate) {
   Model model = test::biliary_model(0.02);
   Compliance exact = precompute(model);
   FullCompliance paper = exact.full();
-  const StiffnessChange change = model.apply({test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }), {}, {}});
+  const StiffnessChange change = model.apply(
+      {test::tets_where(model.mesh(), [](const Vec3& c) { return c.x() > 0.0145 && c.x() < 0.0205; }), {}, {}});
   paper_update(paper, change.struck, model.mesh());
   exact.update(change);
   const VertexId at_face = test::cut_face(change).front();

@@ -16,7 +16,8 @@ constexpr double length = 0.1, side = 0.02, young = 1e6;
 // Mean deflection of the end face of a cantilever of `cells` × 2m × 2m cubes under a unit end load spread over it.
 double end_deflection(int cells, int across) {
   TetMesh mesh = test::box_mesh(cells, across, across, {length, side, side}, test::CubeSplit::five);
-  const Model model = test::make_model(std::move(mesh), 0.0, [](const Vec3& p) { return p.x() < 1e-9; }, {young, 0.0, 1000});
+  const Model model =
+      test::make_model(std::move(mesh), 0.0, [](const Vec3& p) { return p.x() < 1e-9; }, {young, 0.0, 1000});
   std::vector<VertexId> end;
   for (std::size_t v = 0; v < model.mesh().vertex_count(); ++v)
     if (model.mesh().positions[v].x() > length - 1e-9) end.push_back(VertexId(v));
@@ -28,10 +29,12 @@ double end_deflection(int cells, int across) {
   return -sum / static_cast<double>(end.size());
 }
 
-// Timoshenko: F L³/(3 E I) + F L/(κ G A), κ = 5/6, G = E/2 for ν = 0. Linear tets are too stiff and converge from below.
+// Timoshenko: F L³/(3 E I) + F L/(κ G A), κ = 5/6, G = E/2 for ν = 0. Linear tets are too stiff and converge from
+// below.
 TEST(Cantilever, ConvergesToBeamTheory) {
   const double inertia = std::pow(side, 4) / 12, area = side * side;
-  const double theory = 0.01 * std::pow(length, 3) / (3 * young * inertia) + 0.01 * length / (5.0 / 6 * young / 2 * area);
+  const double theory =
+      0.01 * std::pow(length, 3) / (3 * young * inertia) + 0.01 * length / (5.0 / 6 * young / 2 * area);
   const double coarse = end_deflection(20, 4), fine = end_deflection(40, 8), finest = end_deflection(80, 16);
   EXPECT_LT(coarse, fine);
   EXPECT_LT(fine, finest);
@@ -49,7 +52,8 @@ TEST(CalculiX, GivesTheSameDisplacements) {
   input.precision(12);  // It reads twenty characters a number.
   input << "*NODE, NSET=ALL\n";
   for (std::size_t v = 0; v < model.mesh().vertex_count(); ++v)
-    input << v + 1 << ", " << model.mesh().positions[v].x() << ", " << model.mesh().positions[v].y() << ", " << model.mesh().positions[v].z() << "\n";
+    input << v + 1 << ", " << model.mesh().positions[v].x() << ", " << model.mesh().positions[v].y() << ", "
+          << model.mesh().positions[v].z() << "\n";
   for (const auto& [region, material] : model.materials()) {
     input << "*ELEMENT, TYPE=C3D4, ELSET=R" << region << "\n";
     for (std::size_t t = 0; t < model.mesh().tet_count(); ++t)
@@ -58,8 +62,9 @@ TEST(CalculiX, GivesTheSameDisplacements) {
         for (const VertexId v : model.mesh().tets[t]) input << ", " << v.value + 1;
         input << "\n";
       }
-    input << "*MATERIAL, NAME=M" << region << "\n*ELASTIC\n" << material.young << ", " << material.poisson << "\n*SOLID SECTION, ELSET=R" << region
-          << ", MATERIAL=M" << region << "\n";
+    input << "*MATERIAL, NAME=M" << region << "\n*ELASTIC\n"
+          << material.young << ", " << material.poisson << "\n*SOLID SECTION, ELSET=R" << region << ", MATERIAL=M"
+          << region << "\n";
   }
   input << "*BOUNDARY\n";
   for (std::size_t v = 0; v < model.mesh().vertex_count(); ++v)

@@ -14,7 +14,9 @@ std::string state_hash(Backend backend, int threads) {
   Model model = test::biliary_model(0.02);
   Compliance compliance = precompute(model, {backend});
   std::string bytes;
-  const auto note = [&](const Eigen::MatrixXd& m) { bytes.append(reinterpret_cast<const char*>(m.data()), static_cast<std::size_t>(m.size()) * sizeof(double)); };
+  const auto note = [&](const Eigen::MatrixXd& m) {
+    bytes.append(reinterpret_cast<const char*>(m.data()), static_cast<std::size_t>(m.size()) * sizeof(double));
+  };
   for (std::uint64_t step = 1; step <= 6; ++step) {
     compliance.update(model.apply({test::random_tets(model.mesh(), 12, step), {}, {}}));
     if (step == 2) compliance.start_fold();

@@ -14,7 +14,9 @@ namespace {
 
 const Material tissue{2.0e5, 0.37, 1060};
 
-TetShape skew_tet() { return tet_shape({0, 0, 0}, {0.011, 0.001, 0}, {0.002, 0.013, -0.001}, {0.003, 0.002, 0.009}); }
+TetShape skew_tet() {
+  return tet_shape({0, 0, 0}, {0.011, 0.001, 0}, {0.002, 0.013, -0.001}, {0.003, 0.002, 0.009});
+}
 
 // The strain energy of a displacement, straight from the definition: V (λ/2 tr(ε)² + μ ε:ε).
 double energy(const TetShape& shape, const Lame& l, const Eigen::VectorXd& u) {
@@ -59,7 +61,8 @@ TEST(Element, UnitTetInClosedForm) {
 
 TEST(Element, TurnedTetHasTheTurnedStiffness) {
   const Mat3 r = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
-  const std::array<Vec3, 4> x{Vec3(0, 0, 0), Vec3(0.011, 0.001, 0), Vec3(0.002, 0.013, -0.001), Vec3(0.003, 0.002, 0.009)};
+  const std::array<Vec3, 4> x{Vec3(0, 0, 0), Vec3(0.011, 0.001, 0), Vec3(0.002, 0.013, -0.001),
+                              Vec3(0.003, 0.002, 0.009)};
   const auto k = stiffness(tet_shape(x[0], x[1], x[2], x[3]), lame(tissue));
   const auto turned = stiffness(tet_shape(r * x[0], r * x[1], r * x[2], r * x[3]), lame(tissue));
   for (int a = 0; a < 4; ++a)

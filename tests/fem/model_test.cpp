@@ -50,7 +50,8 @@ TEST(Model, MassIsTheVolumeTimesTheDensityHoweverLumped) {
   for (const MassLumping lumping : {MassLumping::element, MassLumping::uniform}) {
     Dynamics d;
     d.mass_lumping = lumping;
-    const Model model = make_model(test::box_mesh(3, 2, 2, {0.03, 0.02, 0.02}), 0.01, nothing_held, {5e4, 0.4, 1100}, d);
+    const Model model =
+        make_model(test::box_mesh(3, 2, 2, {0.03, 0.02, 0.02}), 0.01, nothing_held, {5e4, 0.4, 1100}, d);
     double sum = 0;
     for (const double m : model.vertex_masses()) sum += m;
     EXPECT_NEAR(sum, 1100 * 0.03 * 0.02 * 0.02, 1e-12);
@@ -101,7 +102,8 @@ TEST(Model, PatchTest) {
   Mat3 gradient;
   gradient << 0.01, 0.002, -0.003, 0.004, -0.006, 0.001, 0.0, 0.005, 0.008;
   std::vector<double> u(3 * mesh.vertex_count()), f(u.size());
-  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) Eigen::Map<Vec3>(u.data() + 3 * v) = gradient * mesh.positions[v] + Vec3(1e-3, 0, 2e-3);
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    Eigen::Map<Vec3>(u.data() + 3 * v) = gradient * mesh.positions[v] + Vec3(1e-3, 0, 2e-3);
   k.multiply(u, f);
   double largest = 0;
   for (const double value : f) largest = std::max(largest, std::abs(value));
@@ -115,8 +117,9 @@ TEST(Model, RefusesWhatHasNoMeaning) {
   const TetMesh mesh = test::box_mesh(1, 1, 1, {1, 1, 1});
   const std::vector<std::uint8_t> fixed(mesh.vertex_count(), 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const Material& m : {Material{0, 0.3, 1000}, Material{-1, 0.3, 1000}, Material{nan, 0.3, 1000}, Material{1e6, 0.5, 1000},
-                            Material{1e6, -1, 1000}, Material{1e6, nan, 1000}, Material{1e6, 0.3, 0}, Material{1e6, 0.3, nan}})
+  for (const Material& m :
+       {Material{0, 0.3, 1000}, Material{-1, 0.3, 1000}, Material{nan, 0.3, 1000}, Material{1e6, 0.5, 1000},
+        Material{1e6, -1, 1000}, Material{1e6, nan, 1000}, Material{1e6, 0.3, 0}, Material{1e6, 0.3, nan}})
     EXPECT_THROW(Model(mesh, {{1, m}}, fixed, {}), InputError);
   EXPECT_THROW(Model(mesh, {}, fixed, {}), InputError);
   EXPECT_THROW(Model(mesh, {{1, {}}}, {0, 1}, {}), InputError);

@@ -28,7 +28,8 @@ TEST(Support, CollinearVerticesHoldNothing) {
 }
 
 TEST(Support, HingesDoNotHold) {
-  const TetMesh on_vertex = test::two_tets_on_a_vertex(), on_edge = test::two_tets_on_an_edge(), on_face = test::two_tets();
+  const TetMesh on_vertex = test::two_tets_on_a_vertex(), on_edge = test::two_tets_on_an_edge(),
+                on_face = test::two_tets();
   const auto first_tet_held = [](const TetMesh& mesh) {
     std::vector<std::uint8_t> fixed(mesh.vertex_count(), 0);
     for (const VertexId v : mesh.tets[0]) fixed[v.index()] = 1;
@@ -39,13 +40,13 @@ TEST(Support, HingesDoNotHold) {
   EXPECT_EQ(unsupported_part(on_face, first_tet_held(on_face)), "");
 }
 
-// A part without a fixed vertex of its own, hinged by one edge to one held part and by a vertex to another, is held: the
-// two hinges together stop the turning that each alone allows.
+// A part without a fixed vertex of its own, hinged by one edge to one held part and by a vertex to another, is held:
+// the two hinges together stop the turning that each alone allows.
 TEST(Support, TwoHingesTogetherHold) {
   TetMesh mesh;
-  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1},  // the middle tet
-                    {0.5, 0, -1}, {0.5, -1, -1},               // with 0 and 1: hinged on the edge 0–1
-                    {-1, 0, 2}, {-1, 1, 2}, {-1, 0, 3}};        // with 3: hinged on a vertex
+  mesh.positions = {{0, 0, 0},    {1, 0, 0},     {0, 1, 0}, {0, 0, 1},  // the middle tet
+                    {0.5, 0, -1}, {0.5, -1, -1},                        // with 0 and 1: hinged on the edge 0–1
+                    {-1, 0, 2},   {-1, 1, 2},    {-1, 0, 3}};           // with 3: hinged on a vertex
   const auto tet = [](int a, int b, int c, int d) { return Tet{VertexId(a), VertexId(b), VertexId(c), VertexId(d)}; };
   mesh.tets = {tet(0, 1, 2, 3), tet(0, 1, 4, 5), tet(3, 6, 7, 8)};
   mesh.regions = {1, 1, 1};
