@@ -11,8 +11,6 @@
 #include "calot/base/error.h"
 #include "calot/base/files.h"
 
-extern char** environ;
-
 namespace calot::bench {
 namespace fs = std::filesystem;
 namespace {
