@@ -108,7 +108,7 @@ void convert_compliance(const ConvertArguments& arguments, Kind from) {
   const Model model = load_model(arguments.model);
   const double step = model.dynamics().time_step;
   if (from == Kind::h5) {
-    const FullCompliance compliance = load_full_compliance(arguments.from, model, &terminal_progress());
+    const FullCompliance compliance = load_whole_matrix(arguments.from, model);
     return write_comp(arguments.to, compliance, step);
   }
   constexpr double exact_enough = 1e-6;

@@ -61,7 +61,15 @@ void cut_exactly(const CommandArguments& arguments, CutResult& result) {
   const StiffnessChange change = apply_edit(result);
   result.rank = result.compliance->update(change).rank;
   result.usable = watch.lap();
-  result.compliance->fold();
+  // A factor that is written must not keep rows of vertices that are gone.
+  if (result.compliance->backend() == Backend::sparse)
+    result.compliance->refresh();
+  else
+    // A factor is stored without the rows of vertices that are gone, so it is ordered anew.
+    if (result.compliance->backend() == Backend::sparse)
+      result.compliance->refresh(&terminal_progress());
+    else
+      result.compliance->fold();
   result.fold = watch.lap();
   result.probe = result.compliance->probe();
   if (result.probe <= drift_limit) return;
@@ -76,7 +84,7 @@ void cut_exactly(const CommandArguments& arguments, CutResult& result) {
 void cut_as_the_paper(const CommandArguments& arguments, CutResult& result) {
   const ComplianceFileInfo info = read_compliance_info(arguments.compliance, result.model);
   result.float32 = info.float32;
-  result.full = load_full_compliance(arguments.compliance, result.model, &terminal_progress());
+  result.full = load_whole_matrix(arguments.compliance, result.model);
   Stopwatch watch;
   apply_edit(result);
   paper_update(result.full, result.remap.orphaned, result.model.mesh());

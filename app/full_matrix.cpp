@@ -2,10 +2,18 @@
 
 #include <cmath>
 
+#include "app/terminal.h"
 #include "calot/base/error.h"
 #include "calot/base/parallel.h"
+#include "calot/compliance/compliance_file.h"
 
 namespace calot {
+
+FullCompliance load_whole_matrix(const std::filesystem::path& path, const Model& model) {
+  if (read_compliance_info(path, model).backend == Backend::dense)
+    return load_full_compliance(path, model, &terminal_progress());
+  return load_compliance(path, model, &terminal_progress()).full();
+}
 
 Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces) {
   for (const PointForce& force : forces)

@@ -1,8 +1,13 @@
 // The whole matrix used as it stands, without the exact machinery: for the paper's update and for files from elsewhere.
 #pragma once
+#include <filesystem>
+
 #include "calot/compliance/compliance.h"
 
 namespace calot {
+
+/// Reads C.h5 as a whole matrix, whichever form it is stored in.
+FullCompliance load_whole_matrix(const std::filesystem::path& path, const Model& model);
 
 /// u = C f [m], not refined. Throws InputError for a vertex out of range.
 Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces);

@@ -152,7 +152,8 @@ void write_factor(const std::filesystem::path& path, const Compliance& complianc
   partial.commit();
 }
 
-Compliance read_factor(H5Reader& file, const Model& model, Progress* progress) {
+/// The pattern of the factor, with vertices as the model numbers them.
+FactorPattern read_pattern(const H5Reader& file, const Model& model) {
   const std::uint64_t n = model.mesh().vertex_count(), most_rows = n * n;
   // Active vertices are the free ones that tets use, ascending.
   std::vector<std::uint32_t> active(n, ~0u);
@@ -164,19 +165,32 @@ Compliance read_factor(H5Reader& file, const Model& model, Progress* progress) {
     if (v >= n || active[v] == ~0u) file.refuse("its ordering names a vertex that is not free", compute_again);
     v = active[v];
   }
+  if (perm.size() != free) file.refuse("its ordering leaves out free vertices", compute_again);
   const std::vector<std::int64_t> starts = file.vector<std::int64_t>("/factor/row_start", n + 1);
-  auto pattern = std::make_shared<FactorPattern>(
-      complete_pattern(std::move(perm), file.vector<std::uint32_t>("/factor/supernode_start", n + 1),
-                       {starts.begin(), starts.end()}, file.vector<std::uint32_t>("/factor/rows", most_rows)));
+  std::vector<std::uint32_t> supernodes = file.vector<std::uint32_t>("/factor/supernode_start", n + 1);
+  std::vector<std::uint32_t> rows = file.vector<std::uint32_t>("/factor/rows", most_rows);
+  try {
+    return complete_pattern(std::move(perm), std::move(supernodes), {starts.begin(), starts.end()}, std::move(rows));
+  } catch (const InputError& wrong) {
+    file.refuse(wrong.what(), "");
+  }
+}
+
+Compliance read_factor(H5Reader& file, const Model& model, Progress* progress) {
+  auto pattern = std::make_shared<FactorPattern>(read_pattern(file, model));
   const std::uint64_t count = pattern->panel_start.back(), rows = (count + value_columns - 1) / value_columns;
   const H5Reader::Shape shape = file.open_matrix("/factor/values");
   if (shape.rows != rows || shape.columns != value_columns)
     file.refuse("its factor has another number of values than its rows need", compute_again);
-  require_memory(count * sizeof(double), "the factor");
+  require_memory(rows * value_columns * sizeof(double), "the factor");
   Buffer values(rows * value_columns);
   for (std::uint64_t row = 0; row < rows; row += value_rows) {
-    file.read_rows(row, std::min<std::uint64_t>(value_rows, rows - row), values.data() + row * value_columns);
-    if (progress != nullptr) progress->at(static_cast<double>(row) / static_cast<double>(rows));
+    const std::uint64_t here = std::min<std::uint64_t>(value_rows, rows - row);
+    double* target = values.data() + row * value_columns;
+    file.read_rows(row, here, target);
+    if (!std::all_of(target, target + here * value_columns, [](double value) { return std::isfinite(value); }))
+      file.refuse("its factor holds entries that are not finite", compute_again);
+    if (progress != nullptr) progress->at(static_cast<double>(row + here) / static_cast<double>(rows));
   }
   return Compliance::from_factor(model, SparseFactor(std::move(pattern), std::move(values)));
 }

@@ -113,7 +113,9 @@ void H5Writer::write_vector(const char* path, hid_t file_type, hid_t memory_type
                             const void* values) {
   constexpr std::size_t longest_chunk = std::size_t{1} << 18;
   const H5Handle space = space_of({count});
-  const H5Handle layout = chunked({std::clamp<hsize_t>(count, 1, longest_chunk)});
+  // Nothing can't be cut into chunks.
+  const H5Handle layout =
+      count == 0 ? H5Handle(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) : chunked({std::min(count, longest_chunk)});
   const H5Handle dataset(H5Dcreate2(file_.get(), path, file_type, space.get(), H5P_DEFAULT, layout.get(), H5P_DEFAULT),
                          H5Dclose);
   need(dataset.valid());
@@ -132,7 +134,8 @@ void H5Writer::vector(const char* path, const std::vector<double>& values) {
 
 void H5Writer::matrix(const char* path, std::uint64_t rows, std::uint64_t columns, std::uint64_t chunk_rows,
                       bool float32) {
-  const H5Handle space = space_of({rows, columns}), layout = chunked({chunk_rows, columns}), access = chunk_cache(0);
+  const H5Handle space = space_of({rows, columns}), layout = chunked({std::min(chunk_rows, rows), columns}),
+                 access = chunk_cache(0);
   const hid_t type = float32 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
   matrix_ = {H5Dcreate2(file_.get(), path, type, space.get(), H5P_DEFAULT, layout.get(), access.get()), H5Dclose};
   need(matrix_.valid());
