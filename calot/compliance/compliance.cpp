@@ -178,6 +178,7 @@ void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
   base = std::move(folded);
   correction = Correction(base->size());
   for (const UpdateStep& step : steps_since_fold) correction.add(*base, step);
+  correction.factor();
   steps_since_fold.clear();
 }
 
@@ -300,8 +301,7 @@ void Compliance::refresh(Progress* progress) {
 }
 
 std::uint64_t Compliance::bytes() const {
-  return impl_->base->bytes() + impl_->spare.size() * sizeof(double) +
-         static_cast<std::uint64_t>(2 * impl_->correction.core().size()) * sizeof(double);
+  return impl_->base->bytes() + impl_->spare.size() * sizeof(double) + impl_->correction.bytes();
 }
 
 std::uint64_t Compliance::factor_nonzeros() const {

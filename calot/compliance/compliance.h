@@ -37,7 +37,7 @@ struct UpdateReport {
   std::size_t rank = 0;    ///< struck and touched free degrees of freedom: the size of the correction
   bool refreshed = false;  ///< the update would have kept no digit, so everything was computed anew
   double smallest_eigenvalue =
-      1;  ///< estimate, of I − Bᵀ C_SS B: 1 costs no digits, 1e-6 costs six; 1 if nothing touched
+      1;  ///< estimate, of the condensed stiffness against the uncut one: 1 costs no digits, 1e-6 costs six
 };
 
 /// C = Â⁻¹ [m/N] of a model and of everything it is cut into. Queries use the numbers of the current mesh.

@@ -115,19 +115,12 @@ std::vector<std::uint32_t> slots_of(const Compliance::Impl& impl, const std::vec
   return slots;
 }
 
-// The rows q = D then S of an update, and Σ Â_e on S without fixed vertices.
-struct UpdateRows {
-  std::vector<std::uint32_t> rows;
-  Index struck = 0;
-  MatrixXd removed;
-};
-
 // D are the rows of struck vertices and of vertices that now belong to an island; S those of the other touched
 // vertices.
-UpdateRows update_rows(const Compliance::Impl& impl, const StiffnessChange& change,
-                       const std::vector<std::uint32_t>& touched_slots, const std::vector<std::uint32_t>& struck_slots,
-                       const std::vector<std::vector<std::uint32_t>>& islands) {
-  UpdateRows result;
+UpdateStep step_of(const Compliance::Impl& impl, const StiffnessChange& change,
+                   const std::vector<std::uint32_t>& touched_slots, const std::vector<std::uint32_t>& struck_slots,
+                   const std::vector<std::vector<std::uint32_t>>& islands) {
+  UpdateStep result;
   std::vector<std::uint8_t> leaves(impl.slots(), 0);
   const auto add = [&](std::uint32_t slot) {
     for (std::uint32_t a = 0; a < 3; ++a) result.rows.push_back(static_cast<std::uint32_t>(impl.row_of_slot[slot]) + a);
@@ -148,11 +141,11 @@ UpdateRows update_rows(const Compliance::Impl& impl, const StiffnessChange& chan
       kept.push_back(static_cast<Index>(k));
     }
   const auto size = static_cast<Index>(3 * kept.size());
-  result.removed.resize(size, size);
+  result.change.resize(size, size);
   for (std::size_t j = 0; j < kept.size(); ++j)
     for (std::size_t i = 0; i < kept.size(); ++i)
-      result.removed.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) =
-          change.removed.block<3, 3>(3 * kept[i], 3 * kept[j]);
+      result.change.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) =
+          -change.removed.block<3, 3>(3 * kept[i], 3 * kept[j]);
   return result;
 }
 
@@ -177,6 +170,7 @@ struct Saved {
   BlockMatrix stiffness;
   std::vector<std::uint8_t> dead;
   std::vector<std::uint32_t> group;
+  Correction correction;
 };
 
 }  // namespace
@@ -187,25 +181,23 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
   Impl& impl = *impl_;
   const std::vector<std::uint32_t> touched = slots_of(impl, change.touched), struck = slots_of(impl, change.struck);
   std::optional<Saved> saved;
-  if (impl.is_static) saved = Saved{impl.stiffness, impl.dead, impl.group};
+  if (impl.is_static) saved = Saved{impl.stiffness, impl.dead, impl.group, impl.correction};
   change_stiffness(impl, change, touched, struck);
   impl.regroup();
   const std::vector<std::vector<std::uint32_t>> islands = impl.small_groups(touched);
-  UpdateStep step;
-  UpdateRows q = update_rows(impl, change, touched, struck, islands);
+  UpdateStep step = step_of(impl, change, touched, struck, islands);
   UpdateReport report;
-  report.rank = q.rows.size();
-  if (!q.rows.empty()) {
-    impl.base->prepare(q.rows);
-    step.factors = exact_update(impl.correction.block(*impl.base, q.rows, q.rows), q.struck, q.removed);
-    step.rows = std::move(q.rows);
-    report.smallest_eigenvalue = step.factors.smallest_eigenvalue;
+  report.rank = step.rows.size();
+  if (!step.rows.empty()) {
+    impl.correction.add(*impl.base, step);
+    report.smallest_eigenvalue = impl.correction.factor();
   }
   const bool lost = report.smallest_eigenvalue < (impl.is_static ? 1e-10 : 1e-13);
   if (lost && impl.is_static) {
     impl.stiffness = std::move(saved->stiffness);
     impl.dead = std::move(saved->dead);
     impl.group = std::move(saved->group);
+    impl.correction = std::move(saved->correction);
     throw Unsupported("", "what the cut leaves is held too weakly to be solved",
                       "keep more of it, or use a time step > 0");
   }
@@ -216,10 +208,7 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
     return report;
   }
   impl.settle_islands(islands);
-  if (!step.rows.empty()) {
-    impl.correction.add(*impl.base, step);
-    if (impl.fold.valid()) impl.steps_since_fold.push_back(std::move(step));
-  }
+  if (!step.rows.empty() && impl.fold.valid()) impl.steps_since_fold.push_back(std::move(step));
   return report;
 }
 

@@ -1,41 +1,59 @@
-// What cuts have changed since the base compliance was computed: C = C0 + C0_:T M C0_T:.
+// What cuts have changed since the base compliance was computed.
 #pragma once
 #include <vector>
 
 #include "calot/compliance/compliance_base.h"
-#include "calot/compliance/exact_update.h"
 
 namespace calot {
 
-/// One update, in rows of the base, so that it can be played again on a newer base.
+/// One update in rows of the base, so that it can be played again on a newer base.
 struct UpdateStep {
-  std::vector<std::uint32_t> rows;  ///< q: struck rows, then touched rows
-  UpdateFactors factors;
+  std::vector<std::uint32_t> rows;  ///< struck rows, then touched rows
+  Eigen::Index struck = 0;          ///< how many of them are struck
+  Eigen::MatrixXd change;           ///< Â' − Â on the touched rows [N/m], symmetric; need not be definite
 };
 
-/// The accumulated low-rank correction. T are all rows touched since the base was made; M is symmetric, |T|×|T|.
+/// The exact correction, by condensing on the rows T that were touched since the base was made:
+///
+///   S0 = (C0_TT)⁻¹          stiffness of the uncut body as seen at T        [N/m]
+///   S' = S0 + Σ changes     the same after the cuts; struck rows left out
+///   G  = C0_:T S0           displacement everywhere per displacement at T
+///   C' = (C0 − G C0_T:) + G S'⁻¹ Gᵀ
+///
+/// The first term is the compliance with T held still, the second what T lets through; both are positive semidefinite,
+/// and S' is always summed from the start, so rounding does not pile up over many cuts. The same matrix as Woodbury's
+/// formula gives [Hager1989] eq. 3; derivation and a comparison: docs/math.md §4.
 class Correction {
  public:
   explicit Correction(std::size_t base_size = 0) : place_(base_size, -1) {}
 
-  [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
-  [[nodiscard]] const Eigen::MatrixXd& core() const { return core_; }  ///< M
+  [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }  ///< T
   [[nodiscard]] bool empty() const { return rows_.empty(); }
+  [[nodiscard]] std::uint64_t bytes() const;
 
-  /// C_IJ, corrected.
-  [[nodiscard]] Eigen::MatrixXd block(const ComplianceBase& base, Rows rows, Rows columns) const;
-  /// C X, corrected.
-  [[nodiscard]] Eigen::MatrixXd apply(const ComplianceBase& base, const Eigen::MatrixXd& x) const;
-  /// Takes in one more update.
+  /// Takes in one more update; `factor` must follow before the next query.
   void add(ComplianceBase& base, const UpdateStep& step);
+  /// Factors S'. @return an estimate of the smallest eigenvalue of S' relative to S0: 1 costs no digits, 1e-6 costs
+  /// six; 0 when S' is not positive definite to working precision, and nothing may be asked then
+  double factor();
+
+  /// C'_IJ.
+  [[nodiscard]] Eigen::MatrixXd block(const ComplianceBase& base, Rows rows, Rows columns) const;
+  /// C' X.
+  [[nodiscard]] Eigen::MatrixXd apply(const ComplianceBase& base, const Eigen::MatrixXd& x) const;
 
  private:
   void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
+  [[nodiscard]] double smallest_relative_eigenvalue() const;
+  [[nodiscard]] Eigen::MatrixXd transmitted(const ComplianceBase& base, Rows rows, Eigen::MatrixXd& at_touched) const;
 
-  std::vector<std::uint32_t> rows_;  // T
-  std::vector<std::int32_t> place_;  // of each base row, its place in T, or −1
-  Eigen::MatrixXd core_;             // M
-  Eigen::MatrixXd base_block_;       // C0_TT
+  std::vector<std::uint32_t> rows_;   // T
+  std::vector<std::int32_t> place_;   // of each base row, its place in T, or −1
+  std::vector<std::uint8_t> struck_;  // a flag for each of T
+  Eigen::MatrixXd condensed_;         // S0
+  Eigen::MatrixXd change_;            // Σ changes on T
+  std::vector<Eigen::Index> alive_;   // places in T that are not struck, ascending
+  Eigen::MatrixXd factor_;            // lower Cholesky factor of S' on the alive rows
 };
 
 }  // namespace calot

@@ -1,6 +1,4 @@
 // The exact update against recomputation: every kind of cut, both homes, every step length.
-#include "calot/compliance/exact_update.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -8,6 +6,7 @@
 #include <algorithm>
 
 #include "calot/base/error.h"
+#include "calot/compliance/correction.h"
 #include "tests/support/accuracy.h"
 
 namespace calot {
@@ -135,30 +134,76 @@ INSTANTIATE_TEST_SUITE_P(EveryStep, ExactUpdate,
                          });
 
 // The formula alone, on a small matrix that isn't a mesh: compare with inverting what is left.
-TEST(ExactUpdateFormula, EqualsTheInverseOfWhatIsLeft) {
-  test::Random random(11);
-  const Eigen::Index n = 24, d = 4, k = 9;
-  Eigen::MatrixXd a(n, n), b(k, 5);
-  for (double& value : a.reshaped()) value = random.between(-1, 1);
-  for (double& value : b.reshaped()) value = random.between(-1, 1);
-  Eigen::MatrixXd stiffness = a * a.transpose() + 3 * Eigen::MatrixXd::Identity(n, n);
-  stiffness.block(d, d, k, k) += b * b.transpose();
-  const Eigen::MatrixXd compliance = stiffness.inverse();
-  const UpdateFactors f = exact_update(compliance.topLeftCorner(d + k, d + k), d, b * b.transpose());
-  ASSERT_TRUE(f.definite());
-  const Eigen::MatrixXd y = compliance.leftCols(d + k) * f.minus, z = compliance.leftCols(d + k) * f.plus;
-  const Eigen::MatrixXd updated = compliance - y * y.transpose() + z * z.transpose();
-  stiffness.block(d, d, k, k) -= b * b.transpose();
-  const Eigen::MatrixXd expected = stiffness.bottomRightCorner(n - d, n - d).inverse();
-  EXPECT_LT((updated.bottomRightCorner(n - d, n - d) - expected).norm(), 1e-12 * expected.norm());
-  EXPECT_LT(updated.topRows(d).norm(), 1e-12);
-  EXPECT_GT(f.smallest_eigenvalue, 0);
-  EXPECT_LE(f.smallest_eigenvalue, 1);
+class Formula : public testing::Test {
+ protected:
+  static constexpr Eigen::Index n = 24, d = 4, k = 9;
+  Formula() {
+    test::Random random(11);
+    Eigen::MatrixXd a(n, n), b(k, 5);
+    for (double& value : a.reshaped()) value = random.between(-1, 1);
+    for (double& value : b.reshaped()) value = random.between(-1, 1);
+    change = -b * b.transpose();
+    stiffness = a * a.transpose() + 3 * Eigen::MatrixXd::Identity(n, n);
+    stiffness.block(d, d, k, k) -= change;
+  }
+  [[nodiscard]] DenseBase base() const {
+    const Eigen::MatrixXd compliance = stiffness.inverse();
+    Buffer matrix(static_cast<std::size_t>(n * n));
+    std::copy_n(compliance.data(), n * n, matrix.data());
+    return DenseBase(std::move(matrix), static_cast<std::size_t>(n));
+  }
+  [[nodiscard]] static std::vector<std::uint32_t> rows(Eigen::Index first, Eigen::Index last) {
+    std::vector<std::uint32_t> result;
+    for (Eigen::Index r = first; r < last; ++r) result.push_back(static_cast<std::uint32_t>(r));
+    return result;
+  }
+  Eigen::MatrixXd stiffness, change;
+};
+
+TEST_F(Formula, EqualsTheInverseOfWhatIsLeft) {
+  DenseBase dense = base();
+  Correction correction(n);
+  correction.add(dense, {rows(0, d + k), d, change});
+  const double eigenvalue = correction.factor();
+  EXPECT_GT(eigenvalue, 0);
+  EXPECT_LE(eigenvalue, 1);
+  Eigen::MatrixXd left = stiffness.bottomRightCorner(n - d, n - d);
+  left.topLeftCorner(k, k) += change;
+  const Eigen::MatrixXd expected = left.inverse();
+  const Eigen::MatrixXd block = correction.block(dense, rows(d, n), rows(d, n));
+  EXPECT_LT((block - expected).norm(), 1e-12 * expected.norm());
+  EXPECT_LT(correction.block(dense, rows(0, d), rows(0, n)).norm(), 1e-12);
+  const Eigen::MatrixXd applied = correction.apply(dense, Eigen::MatrixXd::Identity(n, n));
+  EXPECT_LT((applied.bottomRightCorner(n - d, n - d) - expected).norm(), 1e-12 * expected.norm());
 }
 
-TEST(ExactUpdateFormula, SaysWhenNothingWouldBeLeft) {
-  const Eigen::MatrixXd compliance = Eigen::MatrixXd::Identity(3, 3);
-  EXPECT_FALSE(exact_update(compliance, 0, Eigen::MatrixXd::Identity(3, 3) * 1.5).definite());
+// Split tets make the change indefinite: nothing in the formula minds.
+TEST_F(Formula, AnIndefiniteChangeIsExactToo) {
+  DenseBase dense = base();
+  Correction correction(n);
+  Eigen::MatrixXd both = change;
+  both.diagonal().array() += 0.5;
+  correction.add(dense, {rows(d, d + k), 0, 0.5 * both});
+  correction.add(dense, {rows(d, d + k), 0, 0.5 * both});
+  ASSERT_GT(correction.factor(), 0);
+  Eigen::MatrixXd left = stiffness;
+  left.block(d, d, k, k) += both;
+  EXPECT_LT((correction.block(dense, rows(0, n), rows(0, n)) - left.inverse()).norm(), 1e-12 * left.inverse().norm());
+}
+
+// The eigenvalue is the smallest of S' against S0: here known, since the change is a multiple of the stiffness itself.
+TEST_F(Formula, ReportsTheDigitsItCosts) {
+  DenseBase dense = base();
+  Correction correction(n);
+  correction.add(dense, {rows(0, n), 0, -(1 - 1e-5) * stiffness});
+  EXPECT_NEAR(correction.factor(), 1e-5, 1e-7);
+}
+
+TEST_F(Formula, SaysWhenNothingWouldBeLeft) {
+  DenseBase dense = base();
+  Correction correction(n);
+  correction.add(dense, {rows(0, n), 0, -1.1 * stiffness});
+  EXPECT_EQ(correction.factor(), 0);
 }
 
 // Cholesky succeeds on many hinged parts; the support test must not.
