@@ -1,4 +1,4 @@
-// Writes small valid files of every format into FOLDER/msh, vtu, vtk and surface: what the fuzzers start from.
+// Writes small valid files of every format into FOLDER, a folder for each fuzzer, to start from.
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -15,6 +15,27 @@ void write(const fs::path& path, const std::string& bytes) {
   fs::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary) << bytes;
 }
+
+const char* const model_toml = R"(mesh = "m.msh"
+length_unit = "mm"
+region_names = { 1 = "wall", 2 = "duct" }
+time_step = 0.02
+rayleigh_mass = 0
+rayleigh_stiffness = 1e-3
+mass_lumping = "uniform"
+total_mass = 0.01
+[[material]]
+region = "*"
+young = 1.0e6
+poisson = 0.45
+density = 1000.0
+[[fixed]]
+box = { min = [0, 0.0, -1.0], max = [1.0, 1.0, 0.0] }
+[[fixed]]
+vertices = [0, 1]
+[[fixed]]
+region = "duct"
+)";
 
 void write_all(const fs::path& folder) {
   TetMesh mesh = test::two_tets();
@@ -34,6 +55,9 @@ void write_all(const fs::path& folder) {
   write(folder / "vtu" / "base64", detail::format_vtu(mesh, arrays, detail::VtuFormat::base64));
   write(folder / "vtu" / "appended", detail::format_vtu(mesh, arrays, detail::VtuFormat::appended));
   write(folder / "vtu" / "zlib", detail::format_vtu(mesh, arrays, detail::VtuFormat::zlib));
+  write(folder / "model_toml" / "whole", model_toml);
+  write(folder / "compliance_h5" / "dense", std::string(64, '\0'));
+  write(folder / "compliance_h5" / "sparse", std::string(18, '\0') + "\1" + std::string(64, '\0'));
 }
 
 }  // namespace
