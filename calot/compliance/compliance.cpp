@@ -182,6 +182,18 @@ void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
   steps_since_fold.clear();
 }
 
+void Compliance::Impl::refactor() {
+  if (fold.valid()) abandoned.push_back(std::move(fold));
+  steps_since_fold.clear();
+  base = make_base(Backend::sparse, pattern, stiffness, active, dead, {}, nullptr);
+  correction = Correction(base->size());
+  settle_islands({});
+}
+
+bool Compliance::Impl::away_from_home() const {
+  return backend == Backend::dense && dynamic_cast<const DenseBase*>(base.get()) == nullptr;
+}
+
 Compliance::Compliance(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Compliance::Compliance(Compliance&&) noexcept = default;
 Compliance& Compliance::operator=(Compliance&&) noexcept = default;
@@ -269,7 +281,7 @@ Displacements Compliance::solve(const std::vector<PointForce>& forces) const {
 }
 
 std::size_t Compliance::pending_rank() const {
-  return impl_->correction.rows().size();
+  return impl_->away_from_home() ? impl_->base->size() : impl_->correction.rows().size();
 }
 
 void Compliance::fold() {
@@ -382,7 +394,7 @@ Compliance Compliance::from_rows(const Model& model, const std::function<void(Ve
 
 const SparseFactor* Compliance::factor() const {
   const auto* sparse = dynamic_cast<const SparseBase*>(impl_->base.get());
-  return sparse ? &sparse->factor() : nullptr;
+  return sparse && impl_->backend == Backend::sparse ? &sparse->factor() : nullptr;
 }
 
 std::vector<VertexId> Compliance::factor_vertices() const {

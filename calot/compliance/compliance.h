@@ -35,7 +35,8 @@ using Displacements = std::vector<Vec3>;
 /// What an update found.
 struct UpdateReport {
   std::size_t rank = 0;    ///< struck and touched free degrees of freedom: the size of the correction
-  bool refreshed = false;  ///< the update would have kept no digit, so everything was computed anew
+  bool refreshed = false;  ///< the update would have kept few digits, so Â was factored anew; a dense home answers from
+                           ///< that factor, slower, until it is folded
   double smallest_eigenvalue =
       1;  ///< estimate, of the condensed stiffness against the uncut one: 1 costs no digits, 1e-6 costs six
 };
@@ -63,7 +64,7 @@ class Compliance {
   /// Takes in a change of the model, exactly; the answer is usable at once. Work left for `fold` grows with the rank.
   /// Throws Unsupported (static models only) when a part can move freely; nothing has changed then.
   UpdateReport update(const StiffnessChange& change);
-  /// Degrees of freedom that wait to be folded; 0 when none.
+  /// Degrees of freedom that wait to be folded; 0 when none. All of them after an update that had to factor anew.
   [[nodiscard]] std::size_t pending_rank() const;
   /// Folds pending corrections in: into the matrix (dense) or by factoring anew (sparse). Blocks until done.
   void fold();

@@ -42,7 +42,9 @@ struct Compliance::Impl {
 
   // Declared last: its thread reads the members above, so it must end first.
   std::future<std::unique_ptr<ComplianceBase>> fold;
-  Buffer spare;  // the matrix before the last fold, to write the next one into
+  std::vector<std::future<std::unique_ptr<ComplianceBase>>>
+      abandoned;  // folds that came too late; waited for at the end
+  Buffer spare;   // the matrix before the last fold, to write the next one into
 
   [[nodiscard]] std::size_t slots() const { return fixed.size(); }
   [[nodiscard]] std::vector<std::uint32_t> rows_of(std::span<const DofId> dofs) const;  // ~0u for fixed ones
@@ -66,6 +68,9 @@ struct Compliance::Impl {
   void build(Progress* progress);
   [[nodiscard]] std::function<std::unique_ptr<ComplianceBase>()> fold_work();
   void adopt(std::unique_ptr<ComplianceBase> folded);
+  /// Makes a fresh factor of the current Â the base, whatever the home: a tenth of the time of inverting it.
+  void refactor();
+  [[nodiscard]] bool away_from_home() const;  ///< a dense compliance that answers from a factor for now
 };
 
 }  // namespace calot

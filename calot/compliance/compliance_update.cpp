@@ -36,7 +36,7 @@ void Compliance::Impl::regroup() {
 
 namespace {
 
-constexpr std::size_t island_vertices = 40;  // a group up to this size is answered from its own inverse
+constexpr std::size_t island_vertices = 64;  // a group up to this size is answered from its own inverse
 
 }  // namespace
 
@@ -188,11 +188,13 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
   UpdateStep step = step_of(impl, change, touched, struck, islands);
   UpdateReport report;
   report.rank = step.rows.size();
+  bool lost = false;
   if (!step.rows.empty()) {
     impl.correction.add(*impl.base, step);
-    report.smallest_eigenvalue = impl.correction.factor();
+    const CorrectionHealth health = impl.correction.factor();
+    report.smallest_eigenvalue = health.smallest_eigenvalue;
+    lost = !health.definite || (impl.is_static ? health.smallest_eigenvalue < 1e-10 : health.error > 1e-4);
   }
-  const bool lost = report.smallest_eigenvalue < (impl.is_static ? 1e-10 : 1e-13);
   if (lost && impl.is_static) {
     impl.stiffness = std::move(saved->stiffness);
     impl.dead = std::move(saved->dead);
@@ -202,8 +204,8 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
                       "keep more of it, or use a time step > 0");
   }
   renumber(impl, change.remap);
-  if (lost) {  // A dynamic model stays definite, but the update would keep no digit: compute anew instead.
-    refresh();
+  if (lost) {  // A dynamic model stays definite, but the update would keep few digits: factor anew instead.
+    impl.refactor();
     report.refreshed = true;
     return report;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calot/compliance/blas.h"
 
@@ -60,6 +61,13 @@ MatrixXd columns_of(const MatrixXd& m, const std::vector<Index>& columns) {
   return result;
 }
 
+// A start along no mode in particular.
+Eigen::VectorXd start_vector(Index size) {
+  Eigen::VectorXd x(size);
+  for (Index i = 0; i < size; ++i) x(i) = (i % 2 == 0 ? 1.0 : -0.6) + 0.3 * static_cast<double>(i % 7);
+  return x;
+}
+
 }  // namespace
 
 std::uint64_t Correction::bytes() const {
@@ -80,6 +88,7 @@ void Correction::extend(ComplianceBase& base, const std::vector<std::uint32_t>& 
   const Index old = static_cast<Index>(rows_.size()), added = static_cast<Index>(fresh.size()), size = old + added;
   const MatrixXd across = base.gather(fresh, rows_);
   MatrixXd own = base.gather(fresh, fresh);
+  largest_compliance_ = std::max(largest_compliance_, own.diagonal().maxCoeff());
   const MatrixXd h = product('N', 'N', across, condensed_);
   multiply('N', 'T', -1, h, across, 1, own);
   const MatrixXd s = inverse(std::move(own)), sh = product('N', 'N', s, h);
@@ -107,7 +116,7 @@ void Correction::add(ComplianceBase& base, const UpdateStep& step) {
     for (Index i = 0; i < step.change.rows(); ++i) change_(touched[i], touched[j]) += step.change(i, j);
 }
 
-double Correction::factor() {
+CorrectionHealth Correction::factor() {
   alive_.clear();
   for (std::size_t k = 0; k < rows_.size(); ++k)
     if (!struck_[k]) alive_.push_back(static_cast<Index>(k));
@@ -116,8 +125,26 @@ double Correction::factor() {
   for (Index j = 0; j < size; ++j)
     for (Index i = 0; i < size; ++i)
       factor_(i, j) = condensed_(alive_[count(i)], alive_[count(j)]) + change_(alive_[count(i)], alive_[count(j)]);
-  if (size > 0 && blas::potrf(count(size), factor_.data(), count(size)) != 0) return 0;
-  return smallest_relative_eigenvalue();
+  if (size == 0) return {};
+  if (blas::potrf(count(size), factor_.data(), count(size)) != 0) return {false, 0, 1};
+  const double stiffest = condensed_.diagonal().maxCoeff();
+  const double error =
+      std::numeric_limits<double>::epsilon() * stiffest * stiffest * largest_compliance_ / smallest_eigenvalue();
+  return {true, smallest_relative_eigenvalue(), error};
+}
+
+// λ_min(S') by inverse iteration.
+double Correction::smallest_eigenvalue() const {
+  const std::size_t size = count(factor_.rows());
+  Eigen::VectorXd x = start_vector(factor_.rows());
+  double inverse = 0;
+  for (int step = 0; step < 4; ++step) {
+    x /= x.norm();
+    blas::trsm('L', 'N', size, 1, 1, factor_.data(), size, x.data(), size);
+    inverse = x.squaredNorm();
+    blas::trsm('L', 'T', size, 1, 1, factor_.data(), size, x.data(), size);
+  }
+  return 1 / inverse;
 }
 
 // Inverse iteration with S'⁻¹ S0; the quotient xᵀ S' x / xᵀ S0 x.
@@ -130,9 +157,7 @@ double Correction::smallest_relative_eigenvalue() const {
       for (Index i = 0; i < size; ++i) m(i, j) = condensed_(alive_[count(i)], alive_[count(j)]);
     return m;
   }();
-  Eigen::VectorXd x(size);
-  for (Index i = 0; i < size; ++i)
-    x(i) = (i % 2 == 0 ? 1.0 : -0.6) + 0.3 * static_cast<double>(i % 7);  // along no mode in particular
+  Eigen::VectorXd x = start_vector(size);
   double smallest = 1;
   for (int step = 0; step < 5; ++step) {
     Eigen::VectorXd y = base * x;

@@ -13,6 +13,13 @@ struct UpdateStep {
   Eigen::MatrixXd change;           ///< Â' − Â on the touched rows [N/m], symmetric; need not be definite
 };
 
+/// What factoring a correction found.
+struct CorrectionHealth {
+  bool definite = true;            ///< S' is positive definite to working precision
+  double smallest_eigenvalue = 1;  ///< estimate, of S' against S0: 1 costs no digits, 1e-6 costs six
+  double error = 0;  ///< estimate, of the relative error of what S' answers: ε ‖S0‖ κ(C0_TT) / λ_min(S')
+};
+
 /// The exact correction, by condensing on the rows T that were touched since the base was made:
 ///
 ///   S0 = (C0_TT)⁻¹          stiffness of the uncut body as seen at T        [N/m]
@@ -33,9 +40,8 @@ class Correction {
 
   /// Takes in one more update; `factor` must follow before the next query.
   void add(ComplianceBase& base, const UpdateStep& step);
-  /// Factors S'. @return an estimate of the smallest eigenvalue of S' relative to S0: 1 costs no digits, 1e-6 costs
-  /// six; 0 when S' is not positive definite to working precision, and nothing may be asked then
-  double factor();
+  /// Factors S' and says how far it can be trusted. Nothing may be asked while it is not definite.
+  CorrectionHealth factor();
 
   /// C'_IJ.
   [[nodiscard]] Eigen::MatrixXd block(const ComplianceBase& base, Rows rows, Rows columns) const;
@@ -45,6 +51,7 @@ class Correction {
  private:
   void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
   [[nodiscard]] double smallest_relative_eigenvalue() const;
+  [[nodiscard]] double smallest_eigenvalue() const;
   [[nodiscard]] Eigen::MatrixXd transmitted(const ComplianceBase& base, Rows rows, Eigen::MatrixXd& at_touched) const;
 
   std::vector<std::uint32_t> rows_;   // T
@@ -53,6 +60,7 @@ class Correction {
   Eigen::MatrixXd condensed_;         // S0
   Eigen::MatrixXd change_;            // Σ changes on T
   std::vector<Eigen::Index> alive_;   // places in T that are not struck, ascending
+  double largest_compliance_ = 0;     // on the diagonal of C0_TT
   Eigen::MatrixXd factor_;            // lower Cholesky factor of S' on the alive rows
 };
 
