@@ -1,6 +1,7 @@
 // `calot`: the command line. Exit codes: 0 done, 1 could not, 2 the input or the call is wrong.
 #include "app/commands.h"
 #include "app/terminal.h"
+#include "calot/base/error.h"
 
 namespace {
 
@@ -37,7 +38,7 @@ int main(int argc, char** argv) {
       return calot::report_usage("there is no command \"" + first + "\"; try calot --help");
     app.parse(argc, argv);
     std::cout.flush();
-    if (!std::cout) return calot::report_usage("standard output can't be written");
+    if (!std::cout) throw calot::FailedError("standard output", "can't be written", "free some space");
   } catch (const CLI::Success& success) {
     return app.exit(success);  // --help, --version
   } catch (const CLI::ParseError& wrong) {

@@ -44,6 +44,14 @@ TEST(Limits, AFullDiskLeavesNothing) {
   EXPECT_EQ(names_in(folder.path()), before);
 }
 
+TEST(Limits, StandardOutputMayBeFullToo) {
+  const ModelFolder folder;
+  const CommandResult result = run_command(std::string(CALOT_PROGRAM) + " convert " + folder.mesh() + " " +
+                                           folder.name("a.vtu") + " > /dev/full");
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.output, "calot: error: standard output: can't be written; free some space\n");
+}
+
 TEST(Limits, MoreMemoryThanTheMachineHasIsSaidBeforehand) {
   TempFolder folder;
   write_mesh(folder / "box.msh", box_mesh(44, 44, 44, {0.1, 0.1, 0.1}), MeshFormat::msh22_binary);
