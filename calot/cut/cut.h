@@ -30,11 +30,11 @@ struct CutOptions {
 
 /// What a cut found; numbers are of the mesh before it.
 struct CutReport {
-  std::size_t crossed = 0;         ///< tets with vertices strictly on both sides, inside the blade
-  std::size_t under_the_plane = 0; ///< lower-side tets removed because a face in the plane joined the parts
-  std::size_t cleaned = 0;         ///< hanging tets removed on request
-  std::vector<TetId> hanging;      ///< tets left hanging by a vertex or an edge, or alone (kept unless `clean`)
-  std::vector<std::string> notes;  ///< sentences for the summary and the log
+  std::size_t crossed = 0;          ///< tets with vertices strictly on both sides, inside the blade
+  std::size_t under_the_plane = 0;  ///< lower-side tets removed because a face in the plane joined the parts
+  std::size_t cleaned = 0;          ///< hanging tets removed on request
+  std::vector<TetId> hanging;       ///< tets left hanging by a vertex or an edge, or alone (kept unless `clean`)
+  std::vector<std::string> notes;   ///< sentences for the summary and the log
 };
 
 /// A topology edit and how it came about.
