@@ -63,6 +63,16 @@ void trsm(char side, char op, std::size_t m, std::size_t n, double alpha, const 
               as_int(n), alpha, l, as_int(ldl), b, as_int(ldb));
 }
 
+void trsv(char op, std::size_t n, const double* l, std::size_t ldl, double* x) {
+  if (n == 0) return;
+  cblas_dtrsv(CblasColMajor, CblasLower, transpose(op), CblasNonUnit, as_int(n), l, as_int(ldl), x, 1);
+}
+
+void gemv(char op, std::size_t m, std::size_t n, const double* a, std::size_t lda, const double* x, double* y) {
+  if (m == 0 || n == 0) return;
+  cblas_dgemv(CblasColMajor, transpose(op), as_int(m), as_int(n), 1, a, as_int(lda), x, 1, 0, y, 1);
+}
+
 int potrf(std::size_t n, double* a, std::size_t lda) {
   const int size = as_int(n), ld = as_int(lda);
   int info = 0;

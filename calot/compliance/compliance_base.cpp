@@ -31,9 +31,13 @@ MatrixXd DenseBase::apply(const MatrixXd& x) const {
   blas::use_one_thread();
   MatrixXd y(x.rows(), x.cols());
   parallel_blocks(size_, 256, [&](std::size_t begin, std::size_t end, std::size_t) {
-    // The matrix is symmetric: its columns are its rows, and they are contiguous.
-    blas::gemm('T', 'N', end - begin, static_cast<std::size_t>(x.cols()), size_, 1, column(begin), size_, x.data(),
-               size_, 0, y.data() + begin, size_);
+    // The matrix is symmetric: its columns are its rows, and they are contiguous. One vector alone is a matter of
+    // reading the matrix once, which dgemm, packing it, does not.
+    if (x.cols() == 1)
+      blas::gemv('T', size_, end - begin, column(begin), size_, x.data(), y.data() + begin);
+    else
+      blas::gemm('T', 'N', end - begin, static_cast<std::size_t>(x.cols()), size_, 1, column(begin), size_, x.data(),
+                 size_, 0, y.data() + begin, size_);
   });
   return y;
 }

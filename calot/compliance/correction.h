@@ -50,18 +50,20 @@ class Correction {
 
  private:
   void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
-  [[nodiscard]] double smallest_relative_eigenvalue() const;
-  [[nodiscard]] double smallest_eigenvalue() const;
-  [[nodiscard]] Eigen::MatrixXd transmitted(const ComplianceBase& base, Rows rows, Eigen::MatrixXd& at_touched) const;
+  void reserve(Eigen::Index size);
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
+  [[nodiscard]] CorrectionHealth health() const;
+  /// H with H_I H_Jᵀ = G_I S'⁻¹ G_Jᵀ, from C0_IT; and G_I in `at_touched`.
+  [[nodiscard]] Eigen::MatrixXd transmitted(const Eigen::MatrixXd& base_rows, Eigen::MatrixXd& at_touched) const;
 
   std::vector<std::uint32_t> rows_;   // T
   std::vector<std::int32_t> place_;   // of each base row, its place in T, or −1
   std::vector<std::uint8_t> struck_;  // a flag for each of T
-  Eigen::MatrixXd condensed_;         // S0
-  Eigen::MatrixXd change_;            // Σ changes on T
-  std::vector<Eigen::Index> alive_;   // places in T that are not struck, ascending
   double largest_compliance_ = 0;     // on the diagonal of C0_TT
-  Eigen::MatrixXd factor_;            // lower Cholesky factor of S' on the alive rows
+  // Square, of a capacity that grows by doubling; only the first |T| rows and columns count.
+  Eigen::MatrixXd condensed_;  // S0, both triangles
+  Eigen::MatrixXd change_;     // Σ changes on T, both triangles
+  Eigen::MatrixXd factor_;     // lower Cholesky factor of S'; a struck row counts as a row of the identity
 };
 
 }  // namespace calot

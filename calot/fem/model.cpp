@@ -14,9 +14,12 @@ namespace {
 
 void check_material(std::int32_t region, const Material& m) {
   const std::string where = "material of region " + std::to_string(region);
-  if (!(m.young > 0) || !std::isfinite(m.young)) throw InputError(where, "young must be > 0 Pa", "give Young's modulus in Pa");
-  if (!(m.poisson > -1 && m.poisson < 0.5)) throw InputError(where, "poisson must lie between −1 and 0.5", "use e.g. 0.45");
-  if (!(m.density > 0) || !std::isfinite(m.density)) throw InputError(where, "density must be > 0 kg/m3", "use e.g. 1000");
+  if (!(m.young > 0) || !std::isfinite(m.young))
+    throw InputError(where, "young must be > 0 Pa", "give Young's modulus in Pa");
+  if (!(m.poisson > -1 && m.poisson < 0.5))
+    throw InputError(where, "poisson must lie between −1 and 0.5", "use e.g. 0.45");
+  if (!(m.density > 0) || !std::isfinite(m.density))
+    throw InputError(where, "density must be > 0 kg/m3", "use e.g. 1000");
 }
 
 void check_dynamics(const Dynamics& d) {
@@ -63,10 +66,12 @@ double Dynamics::mass_factor() const {
   return is_static() ? 0 : (1 + time_step * rayleigh_mass) / (time_step * time_step);
 }
 
-double Dynamics::stiffness_factor() const { return is_static() ? 1 : 1 + rayleigh_stiffness / time_step; }
+double Dynamics::stiffness_factor() const {
+  return is_static() ? 1 : 1 + rayleigh_stiffness / time_step;
+}
 
-Model::Model(TetMesh mesh, std::map<std::int32_t, Material> materials, std::vector<std::uint8_t> fixed, Dynamics dynamics,
-             std::optional<double> total_mass, Origin origin)
+Model::Model(TetMesh mesh, std::map<std::int32_t, Material> materials, std::vector<std::uint8_t> fixed,
+             Dynamics dynamics, std::optional<double> total_mass, Origin origin)
     : mesh_(std::move(mesh)),
       materials_(std::move(materials)),
       fixed_(std::move(fixed)),
@@ -76,17 +81,20 @@ Model::Model(TetMesh mesh, std::map<std::int32_t, Material> materials, std::vect
     throw InputError("mesh", problems.describe(), "repair the mesh");
   if (mesh_.tets.empty()) throw InputError("mesh", "has no tetrahedra", "give a volume mesh");
   if (fixed_.size() != mesh_.vertex_count())
-    throw InputError("fixed", "has " + std::to_string(fixed_.size()) + " flags for " + std::to_string(mesh_.vertex_count()) + " vertices");
+    throw InputError("fixed", "has " + std::to_string(fixed_.size()) + " flags for " +
+                                  std::to_string(mesh_.vertex_count()) + " vertices");
   for (const std::int32_t region : mesh_.regions)
     if (!materials_.contains(region))
-      throw InputError("material", "region " + std::to_string(region) + " has none", "add a [[material]] for it or for \"*\"");
+      throw InputError("material", "region " + std::to_string(region) + " has none",
+                       "add a [[material]] for it or for \"*\"");
   for (const auto& [region, material] : materials_) check_material(region, material);
   check_dynamics(dynamics_);
   if (total_mass && (!(*total_mass > 0) || !std::isfinite(*total_mass)))
     throw InputError("total_mass", "must be > 0 kg", "leave it out to use density × volume");
   if (dynamics_.mass_lumping == MassLumping::uniform) {
     double mass = 0;
-    for (std::size_t t = 0; t < mesh_.tet_count(); ++t) mass += material(TetId(t)).density * signed_volume(mesh_, TetId(t));
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t)
+      mass += material(TetId(t)).density * signed_volume(mesh_, TetId(t));
     uniform_share_ = total_mass.value_or(mass) / static_cast<double>(mesh_.vertex_count());
   } else if (total_mass) {
     throw InputError("total_mass", "needs mass_lumping = \"uniform\"", "leave it out or change mass_lumping");
@@ -105,15 +113,44 @@ std::vector<double> Model::vertex_masses() const {
 
 namespace {
 
+// What each region contributes, looked up by tet.
+class RegionTable {
+ public:
+  explicit RegionTable(const Model& model) {
+    for (const auto& [region, material] : model.materials())
+      entries_.push_back({region, lame(material), material.density});
+  }
+  struct Entry {
+    std::int32_t region;
+    Lame lame;
+    double density;
+  };
+  [[nodiscard]] const Entry& of(std::int32_t region) const {
+    for (const Entry& entry : entries_)  // a handful
+      if (entry.region == region) return entry;
+    return entries_.front();
+  }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
 // The one place where tets are summed into blocks: of row u, every block whose column is in the row's pattern, tets
 // ascending. A fresh assembly and a row summed anew after a cut agree to the last bit because both come through here.
 struct RowAssembler {
   const TetMesh& mesh;
   const VertexTets& around;
-  std::span<const Lame> lames;          // of each tet
-  std::span<const double> quarter_mass;  // of each tet; empty under uniform lumping
+  const RegionTable& regions;
   double mass_factor, stiffness_factor, uniform_share;
+  bool lumped_by_element;
 
+  // Block (a, b) of Â_e of one tet.
+  [[nodiscard]] Mat3 block(TetId t, const TetShape& shape, int a, int b) const {
+    const RegionTable::Entry& region = regions.of(mesh.regions[t.index()]);
+    Mat3 result = stiffness_factor * stiffness_block(shape, region.lame, a, b);
+    if (a == b && lumped_by_element) result.diagonal().array() += mass_factor * (region.density * shape.volume / 4);
+    return result;
+  }
   // add(column vertex, block) is called once for each corner of each tet around u.
   template <class Add>
   void row(VertexId u, const TetShape* shapes, const Add& add) const {
@@ -122,54 +159,47 @@ struct RowAssembler {
       const Tet& tet = mesh.tet(t);
       const TetShape shape = shapes ? shapes[t.index()] : shape_of(mesh, t);
       const int a = static_cast<int>(std::find(tet.begin(), tet.end(), u) - tet.begin());
-      for (int b = 0; b < 4; ++b) {
-        Mat3 block = stiffness_factor * stiffness_block(shape, lames[t.index()], a, b);
-        if (a == b && !quarter_mass.empty()) block.diagonal().array() += mass_factor * quarter_mass[t.index()];
-        add(tet[static_cast<std::size_t>(b)], block);
-      }
+      for (int b = 0; b < 4; ++b) add(tet[static_cast<std::size_t>(b)], block(t, shape, a, b));
     }
   }
   // What a vertex has whatever tets it keeps.
   [[nodiscard]] double own_diagonal() const { return mass_factor * uniform_share; }
 };
 
-struct TetConstants {
-  std::vector<Lame> lames;
-  std::vector<double> quarter_mass;
-};
-
-TetConstants constants_of(const Model& model, double mass_factor) {
-  const TetMesh& mesh = model.mesh();
-  std::map<std::int32_t, Lame> by_region;
-  for (const auto& [region, material] : model.materials()) by_region[region] = lame(material);
-  TetConstants constants;
-  constants.lames.resize(mesh.tet_count());
-  for (std::size_t t = 0; t < mesh.tet_count(); ++t) constants.lames[t] = by_region.at(mesh.regions[t]);
-  if (model.dynamics().mass_lumping == MassLumping::uniform || mass_factor == 0) return constants;
-  constants.quarter_mass.resize(mesh.tet_count());
-  for (std::size_t t = 0; t < mesh.tet_count(); ++t)
-    constants.quarter_mass[t] = model.material(TetId(t)).density * signed_volume(mesh, TetId(t)) / 4;
-  return constants;
+RowAssembler assembler_of(const Model& model, const TetMesh& mesh, const VertexTets& around, const RegionTable& regions,
+                          double mass_factor, double stiffness_factor) {
+  return {mesh,
+          around,
+          regions,
+          mass_factor,
+          stiffness_factor,
+          model.uniform_share(),
+          model.dynamics().mass_lumping == MassLumping::element};
 }
 
 }  // namespace
 
 BlockMatrix Model::assemble(double mass_factor, double stiffness_factor) const {
   const VertexTets around = vertex_tets(mesh_);
-  const TetConstants constants = constants_of(*this, mass_factor);
-  const RowAssembler assembler{mesh_, around, constants.lames, constants.quarter_mass, mass_factor, stiffness_factor, uniform_share_};
+  const RegionTable regions(*this);
+  const RowAssembler assembler = assembler_of(*this, mesh_, around, regions, mass_factor, stiffness_factor);
   std::vector<TetShape> shapes(mesh_.tet_count());
   for (std::size_t t = 0; t < shapes.size(); ++t) shapes[t] = shape_of(mesh_, TetId(t));
   BlockMatrix matrix = pattern_of(mesh_, around);
   for (std::size_t u = 0; u < mesh_.vertex_count(); ++u) {
-    assembler.row(VertexId(u), shapes.data(), [&](VertexId v, const Mat3& block) { *matrix.find(u, v.index()) += block; });
+    assembler.row(VertexId(u), shapes.data(),
+                  [&](VertexId v, const Mat3& block) { *matrix.find(u, v.index()) += block; });
     matrix.find(u, u)->diagonal().array() += assembler.own_diagonal();
   }
   return matrix;
 }
 
-BlockMatrix Model::stiffness() const { return assemble(0, 1); }
-BlockMatrix Model::step_stiffness() const { return assemble(dynamics_.mass_factor(), dynamics_.stiffness_factor()); }
+BlockMatrix Model::stiffness() const {
+  return assemble(0, 1);
+}
+BlockMatrix Model::step_stiffness() const {
+  return assemble(dynamics_.mass_factor(), dynamics_.stiffness_factor());
+}
 
 std::string Model::fingerprint() const {
   std::string bytes;
@@ -191,10 +221,8 @@ std::string Model::fingerprint() const {
 StiffnessChange Model::apply(const TopologyEdit& edit) {
   if (!edit.vertices.empty() || !edit.tets.empty())
     throw InputError("edit", "adds vertices or tets; only removal is supported by the compliance", "use mode remove");
-  const double mass_factor = dynamics_.mass_factor(), stiffness_factor = dynamics_.stiffness_factor();
   StiffnessChange change;
   const TetMesh before = mesh_;
-  const TetConstants old_constants = constants_of(*this, mass_factor);
   change.remap = calot::apply(mesh_, edit);
   change.struck = change.remap.orphaned;
   change.touched = change.remap.touched;
@@ -204,22 +232,26 @@ StiffnessChange Model::apply(const TopologyEdit& edit) {
   fixed_ = std::move(fixed);
 
   std::vector<std::uint32_t> place(before.vertex_count(), ~0u);
-  for (std::size_t k = 0; k < change.touched.size(); ++k) place[change.touched[k].index()] = static_cast<std::uint32_t>(k);
+  for (std::size_t k = 0; k < change.touched.size(); ++k)
+    place[change.touched[k].index()] = static_cast<std::uint32_t>(k);
 
   // Σ Â_e of what goes, and which blocks that concerns.
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(change.touched.size());
   change.removed = Eigen::MatrixXd::Zero(size, size);
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+  const VertexTets unused;
+  const RegionTable regions(*this);
+  const RowAssembler assembler =
+      assembler_of(*this, before, unused, regions, dynamics_.mass_factor(), dynamics_.stiffness_factor());
   for (const TetId t : edit.removed) {
     const Tet& tet = before.tet(t);
     const TetShape shape = shape_of(before, t);
     for (int a = 0; a < 4; ++a)
       for (int b = 0; b < 4; ++b) {
-        const std::uint32_t i = place[tet[static_cast<std::size_t>(a)].index()], j = place[tet[static_cast<std::size_t>(b)].index()];
+        const std::uint32_t i = place[tet[static_cast<std::size_t>(a)].index()],
+                            j = place[tet[static_cast<std::size_t>(b)].index()];
         if (i == ~0u || j == ~0u) continue;
-        Mat3 block = stiffness_factor * stiffness_block(shape, old_constants.lames[t.index()], a, b);
-        if (a == b && !old_constants.quarter_mass.empty()) block.diagonal().array() += mass_factor * old_constants.quarter_mass[t.index()];
-        change.removed.block<3, 3>(3 * Eigen::Index{i}, 3 * Eigen::Index{j}) += block;
+        change.removed.block<3, 3>(3 * Eigen::Index{i}, 3 * Eigen::Index{j}) += assembler.block(t, shape, a, b);
         pairs.emplace_back(i, j);
       }
   }
@@ -232,20 +264,16 @@ StiffnessChange Model::apply(const TopologyEdit& edit) {
 
 void Model::sum_rows(StiffnessChange& change, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
   const VertexTets around = vertex_tets(mesh_);
-  const TetConstants constants = constants_of(*this, dynamics_.mass_factor());
-  const RowAssembler assembler{mesh_,
-                               around,
-                               constants.lames,
-                               constants.quarter_mass,
-                               dynamics_.mass_factor(),
-                               dynamics_.stiffness_factor(),
-                               uniform_share_};
+  const RegionTable regions(*this);
+  const RowAssembler assembler =
+      assembler_of(*this, mesh_, around, regions, dynamics_.mass_factor(), dynamics_.stiffness_factor());
   change.entries.reserve(pairs.size());
   std::vector<std::int32_t> entry_of(mesh_.vertex_count(), -1);  // of the row in hand
   for (std::size_t first = 0, last = 0; first < pairs.size(); first = last) {
     const std::uint32_t row = pairs[first].first;
     for (last = first; last < pairs.size() && pairs[last].first == row; ++last) {
-      entry_of[change.remap.vertex_to_new[change.touched[pairs[last].second].index()].index()] = static_cast<std::int32_t>(change.entries.size());
+      entry_of[change.remap.vertex_to_new[change.touched[pairs[last].second].index()].index()] =
+          static_cast<std::int32_t>(change.entries.size());
       change.entries.push_back({row, pairs[last].second, Mat3::Zero()});
     }
     const VertexId u = change.remap.vertex_to_new[change.touched[row].index()];

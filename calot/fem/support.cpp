@@ -12,7 +12,8 @@ namespace calot {
 namespace {
 
 // Parts that share vertices, directly or through others: one rigid-body system each.
-std::vector<std::vector<std::uint32_t>> clusters_of(const Parts& parts, const std::vector<std::vector<std::uint32_t>>& parts_of_vertex) {
+std::vector<std::vector<std::uint32_t>> clusters_of(const Parts& parts,
+                                                    const std::vector<std::vector<std::uint32_t>>& parts_of_vertex) {
   std::vector<std::uint32_t> root(parts.count());
   std::iota(root.begin(), root.end(), 0u);
   const auto find = [&](std::uint32_t p) {
@@ -52,17 +53,20 @@ double radius_of(const TetMesh& mesh, const std::vector<VertexId>& vertices, con
   return radius;
 }
 
-std::string describe(const TetMesh& mesh, const Parts& parts, std::uint32_t part, const Eigen::Matrix<double, 6, 1>& motion) {
+std::string describe(const TetMesh& mesh, const Parts& parts, std::uint32_t part,
+                     const Eigen::Matrix<double, 6, 1>& motion) {
   const std::string name = "the part of " + std::to_string(parts.tets[part].size()) + " tets around vertex " +
                            std::to_string(parts.vertices[part].front().value);
   const auto region = mesh.region_names.find(mesh.regions[parts.tets[part].front().index()]);
   const std::string where = region == mesh.region_names.end() ? name : name + " (" + region->second + ")";
-  return where + (motion.tail<3>().norm() > 1e-3 * motion.head<3>().norm() ? " can turn about what holds it" : " can drift away");
+  return where + (motion.tail<3>().norm() > 1e-3 * motion.head<3>().norm() ? " can turn about what holds it"
+                                                                           : " can drift away");
 }
 
 // A free motion of one cluster, as (part, motion), or nothing.
 std::string free_motion(const TetMesh& mesh, const Parts& parts, const std::vector<std::uint32_t>& cluster,
-                        const std::vector<std::vector<std::uint32_t>>& parts_of_vertex, const std::vector<std::uint8_t>& fixed) {
+                        const std::vector<std::vector<std::uint32_t>>& parts_of_vertex,
+                        const std::vector<std::uint8_t>& fixed) {
   const Eigen::Index size = 6 * static_cast<Eigen::Index>(cluster.size());
   std::map<std::uint32_t, Eigen::Index> column;
   std::vector<Vec3> centre;
@@ -97,7 +101,9 @@ std::string free_motion(const TetMesh& mesh, const Parts& parts, const std::vect
   const Eigen::VectorXd mode = solver.eigenvectors().col(0);
   std::size_t most = 0;
   for (std::size_t k = 1; k < cluster.size(); ++k)
-    if (mode.segment<6>(6 * static_cast<Eigen::Index>(k)).norm() > mode.segment<6>(6 * static_cast<Eigen::Index>(most)).norm()) most = k;
+    if (mode.segment<6>(6 * static_cast<Eigen::Index>(k)).norm() >
+        mode.segment<6>(6 * static_cast<Eigen::Index>(most)).norm())
+      most = k;
   return describe(mesh, parts, cluster[most], mode.segment<6>(6 * static_cast<Eigen::Index>(most)));
 }
 
@@ -110,7 +116,8 @@ std::string unsupported_part(const TetMesh& mesh, const std::vector<std::uint8_t
     for (const VertexId v : parts.vertices[p]) parts_of_vertex[v.index()].push_back(p);
   for (const std::vector<std::uint32_t>& cluster : clusters_of(parts, parts_of_vertex)) {
     const bool anything_fixed = std::any_of(cluster.begin(), cluster.end(), [&](std::uint32_t p) {
-      return std::any_of(parts.vertices[p].begin(), parts.vertices[p].end(), [&](VertexId v) { return fixed[v.index()] != 0; });
+      return std::any_of(parts.vertices[p].begin(), parts.vertices[p].end(),
+                         [&](VertexId v) { return fixed[v.index()] != 0; });
     });
     if (!anything_fixed) {
       Eigen::Matrix<double, 6, 1> drift = Eigen::Matrix<double, 6, 1>::Zero();
