@@ -37,6 +37,7 @@ void fold_under_queries(Compliance& compliance, const std::vector<DofId>& dofs, 
 
 void measure(const Organ& organ, const Edit& edit, bool check, CutTimes& times) {
   Compliance compliance = precompute(organ.model);
+  compliance.reserve_fold();
   Model model = organ.model;
   StiffnessChange change;
   UpdateReport report;

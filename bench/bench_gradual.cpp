@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t steps = 60, tets_a_step = 10;
 // A fold starts when so many rows wait, and is adopted so many steps later: fixed, so that a replay has the same bits.
-constexpr std::size_t fold_at_rank = 90, adopt_after = 18;
+constexpr std::size_t fold_at_rank = 30, adopt_after = 13;
 
 // The tets to remove, in the order in which one blade reaches them that lays the organ open lengthwise, from its bulk
 // towards the duct (old numbers).
@@ -58,7 +58,7 @@ std::vector<Row> bench_gradual(const BenchOptions& options) {
   const Organ organ = make_organ(options);
   const std::vector<std::vector<TetId>> path = blade_path(organ);
   Compliance compliance = precompute(organ.model);
-  // The matrix that folds are written to is made before the operation begins, as a simulation would.
+  compliance.reserve_fold();  // Before the operation begins, as a simulation would.
   Model model = organ.model;
   std::vector<TetId> now(organ.model.mesh().tet_count());  // original tet → current
   for (std::size_t t = 0; t < now.size(); ++t) now[t] = TetId(t);

@@ -290,6 +290,17 @@ void Compliance::fold() {
   impl_->adopt(impl_->fold_work()());
 }
 
+void Compliance::reserve_fold() {
+  const std::size_t n = impl_->base->size() * impl_->base->size();
+  if (backend() != Backend::dense || impl_->spare.size() == n) return;
+  require_memory(n * sizeof(double), "a second matrix to fold into");
+  impl_->spare = Buffer(n);
+  constexpr std::size_t page = 512;  // doubles
+  parallel_blocks(n, std::size_t{1} << 20, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t i = begin; i < end; i += page) impl_->spare.data()[i] = 0;
+  });
+}
+
 void Compliance::start_fold() {
   if (impl_->fold.valid() || pending_rank() == 0) return;
   impl_->fold = std::async(std::launch::async, [work = impl_->fold_work()] {

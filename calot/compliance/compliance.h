@@ -68,6 +68,9 @@ class Compliance {
   [[nodiscard]] std::size_t pending_rank() const;
   /// Folds pending corrections in: into the matrix (dense) or by factoring anew (sparse). Blocks until done.
   void fold();
+  /// Takes the memory that a fold of a dense compliance writes to, a second matrix, so that the first fold need not
+  /// wait for it. Throws FailedError if there is too little.
+  void reserve_fold();
   /// Starts the same on a background thread; queries and updates go on meanwhile. Does nothing when one is under way.
   void start_fold();
   [[nodiscard]] bool fold_ready() const;  ///< a started fold is done and waits for `adopt_fold`

@@ -11,6 +11,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 MatrixXd DenseBase::gather(Rows rows, Rows columns) const {
+  // Symmetric: the shorter side picks columns of the matrix, so that the longer one reads along them.
+  if (rows.size() < columns.size()) return gather(columns, rows).transpose();
   MatrixXd block(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
   double* out = block.data();
   for (const std::uint32_t c : columns) {

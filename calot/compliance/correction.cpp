@@ -113,20 +113,23 @@ CorrectionHealth Correction::factor() {
 }
 
 // Inverse iteration with S'⁻¹ S0 on the rows that are not struck. On the way: λ_min of S' itself, from the same solves.
-CorrectionHealth Correction::health() const {
+CorrectionHealth Correction::health() {
   const std::size_t n = rows_.size(), capacity = count(factor_.rows());
   const auto without_struck = [&](Eigen::VectorXd& x) {
     for (std::size_t k = 0; k < n; ++k)
       if (struck_[k]) x(static_cast<Index>(k)) = 0;
   };
+  const int steps = weakest_mode_.size() == 0 ? 3 : 1;
   Eigen::VectorXd x = start_vector(size()), s0x(size()), s0y(size());
+  x *= weakest_mode_.size() == 0 ? 1.0 : 0.05;  // the mode known so far, and a little of every other
+  x.head(weakest_mode_.size()) += weakest_mode_;
   without_struck(x);
   if (x.isZero(0)) return {};
   CorrectionHealth health;
   double weakest = std::numeric_limits<double>::max();
   blas::gemv('N', n, n, condensed_.data(), capacity, x.data(), s0x.data());
   without_struck(s0x);
-  for (int step = 0; step < 3; ++step) {
+  for (int step = 0; step < steps; ++step) {
     Eigen::VectorXd y = s0x;
     blas::trsv('N', n, factor_.data(), capacity, y.data());
     blas::trsv('T', n, factor_.data(), capacity, y.data());  // y = S'⁻¹ S0 x, so yᵀ S' y = yᵀ S0 x
@@ -139,6 +142,7 @@ CorrectionHealth Correction::health() const {
     x = scale * y;
     s0x = scale * s0y;
   }
+  weakest_mode_ = x;
   const double stiffest = condensed_.diagonal().head(size()).maxCoeff();
   health.error = std::numeric_limits<double>::epsilon() * stiffest * stiffest * largest_compliance_ / weakest;
   return health;

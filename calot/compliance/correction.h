@@ -52,13 +52,14 @@ class Correction {
   void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
   void reserve(Eigen::Index size);
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
-  [[nodiscard]] CorrectionHealth health() const;
+  [[nodiscard]] CorrectionHealth health();
   /// H with H_I H_Jᵀ = G_I S'⁻¹ G_Jᵀ, from C0_IT; and G_I in `at_touched`.
   [[nodiscard]] Eigen::MatrixXd transmitted(const Eigen::MatrixXd& base_rows, Eigen::MatrixXd& at_touched) const;
 
   std::vector<std::uint32_t> rows_;   // T
   std::vector<std::int32_t> place_;   // of each base row, its place in T, or −1
   std::vector<std::uint8_t> struck_;  // a flag for each of T
+  Eigen::VectorXd weakest_mode_;      // of S' against S0, from the last `factor`: where the next one starts
   double largest_compliance_ = 0;     // on the diagonal of C0_TT
   // Square, of a capacity that grows by doubling; only the first |T| rows and columns count.
   Eigen::MatrixXd condensed_;  // S0, both triangles
