@@ -1,14 +1,21 @@
 #include "calot/base/parallel.h"
 
+#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace calot {
 namespace {
@@ -25,10 +32,7 @@ std::mutex arena_mutex;
 std::unique_ptr<tbb::task_arena> arena;
 std::unique_ptr<tbb::global_control> limit;  // lets more threads than cores run when asked for, as tests do
 
-thread_local std::unique_ptr<tbb::task_arena> background_arena;
-
 tbb::task_arena& current_arena() {
-  if (background_arena) return *background_arena;
   const std::lock_guard lock(arena_mutex);
   if (!arena) arena = std::make_unique<tbb::task_arena>(default_threads());
   return *arena;
@@ -36,21 +40,116 @@ tbb::task_arena& current_arena() {
 
 }  // namespace
 
+namespace {
+
+// How willingly a thread gives way; per thread on Linux.
+constexpr int background_niceness = 15;
+
+// A few threads that share out one loop at a time.
+class Crew {
+ public:
+  explicit Crew(int helpers) {
+    for (int k = 0; k < helpers; ++k) threads_.emplace_back([this] { help(); });
+  }
+  ~Crew() {
+    {
+      const std::lock_guard lock(mutex_);
+      closing_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  void run(std::size_t count, const std::function<void(std::size_t)>& body) {
+    if (running_) {  // a loop inside a loop of the same thread
+      for (std::size_t i = 0; i < count; ++i) body(i);
+      return;
+    }
+    running_ = true;
+    {
+      const std::lock_guard lock(mutex_);
+      body_ = &body;
+      count_ = count;
+      next_ = 0;
+      failure_ = nullptr;
+      ++round_;
+    }
+    wake_.notify_all();
+    work(body, count);
+    std::unique_lock lock(mutex_);
+    body_ = nullptr;  // Who has not begun by now stays out.
+    done_.wait(lock, [this] { return working_ == 0; });
+    running_ = false;
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  void work(const std::function<void(std::size_t)>& body, std::size_t count) {
+    try {
+      for (std::size_t i = next_++; i < count; i = next_++) body(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+      next_ = count;
+    }
+  }
+  void help() {
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), background_niceness);
+    std::uint64_t seen = 0;
+    std::unique_lock lock(mutex_);
+    while (true) {
+      wake_.wait(lock, [&] { return closing_ || (round_ != seen && body_ != nullptr); });
+      if (closing_) return;
+      seen = round_;
+      const auto* body = body_;
+      const std::size_t count = count_;
+      ++working_;
+      lock.unlock();
+      work(*body, count);
+      lock.lock();
+      if (--working_ == 0) done_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  std::vector<std::thread> threads_;
+  const std::function<void(std::size_t)>* body_ = nullptr;
+  std::size_t count_ = 0;
+  std::atomic<std::size_t> next_{0};
+  std::uint64_t round_ = 0;
+  int working_ = 0;
+  bool closing_ = false;
+  bool running_ = false;  // used by the owner only
+  std::exception_ptr failure_;
+};
+
+thread_local std::unique_ptr<Crew> background_crew;
+
+}  // namespace
+
 void set_thread_count(int count) {
   const std::lock_guard lock(arena_mutex);
   const int threads = std::max(1, count);
   limit.reset();
-  limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                static_cast<std::size_t>(threads));
   arena = std::make_unique<tbb::task_arena>(threads);
 }
 
-int thread_count() { return current_arena().max_concurrency(); }
+int thread_count() {
+  return current_arena().max_concurrency();
+}
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   if (count == 0) return;
   if (count == 1) return body(0);
+  if (background_crew) return background_crew->run(count, body);
   current_arena().execute([&] {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); }, tbb::simple_partitioner{});
+    tbb::parallel_for(
+        std::size_t{0}, count, [&](std::size_t i) { body(i); }, tbb::simple_partitioner{});
   });
 }
 
@@ -60,7 +159,14 @@ void parallel_blocks(std::size_t count, std::size_t block,
   parallel_for(blocks, [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block), b); });
 }
 
-BackgroundLane::BackgroundLane() { background_arena = std::make_unique<tbb::task_arena>(thread_count()); }
-BackgroundLane::~BackgroundLane() { background_arena.reset(); }
+BackgroundLane::BackgroundLane() : niceness_before_(getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()))) {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), background_niceness);
+  background_crew = std::make_unique<Crew>(thread_count() - 1);
+}
+
+BackgroundLane::~BackgroundLane() {
+  background_crew.reset();
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness_before_);
+}
 
 }  // namespace calot

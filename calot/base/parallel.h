@@ -17,14 +17,17 @@ void parallel_blocks(std::size_t count, std::size_t block,
 /// Runs body(0) … body(count − 1), which must be independent, on all threads.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
-/// While one lives, the parallel loops of this thread run on threads of their own, so that background work never holds up
-/// the loops of others.
+/// While one lives, the parallel loops of this thread run on threads of their own, and all of them give way to whoever
+/// else wants a core, so that background work never holds up the loops of others.
 class BackgroundLane {
  public:
   BackgroundLane();
   ~BackgroundLane();
   BackgroundLane(const BackgroundLane&) = delete;
   BackgroundLane& operator=(const BackgroundLane&) = delete;
+
+ private:
+  int niceness_before_;
 };
 
 }  // namespace calot

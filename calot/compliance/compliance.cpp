@@ -165,7 +165,7 @@ void Compliance::Impl::build(Progress* progress) {
 
 // A fold computes C anew from the cut Â, in the pattern analysed before. That is as quick as adding the correction to
 // the matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind:
-// docs/decisions/0010-fold-by-refactoring.md.
+// docs/decisions/0006-fold-by-refactoring.md.
 std::function<std::unique_ptr<ComplianceBase>()> Compliance::Impl::fold_work() {
   return [backend = backend, pattern = pattern, stiffness = stiffness, active = active, dead = dead,
           into = std::make_shared<Buffer>(std::move(spare))]() {

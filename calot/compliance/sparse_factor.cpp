@@ -15,6 +15,31 @@ constexpr std::size_t tile = 256;             // rows of a tile of a large front
 constexpr std::size_t panel_step = 192;       // columns eliminated at once in a large front
 constexpr std::size_t right_hand_sides = 32;  // columns solved together
 
+// The update matrix of a front. Large ones come from the system and go back to it at once, so that the memory held is
+// that of the fronts that are alive.
+class UpdateMatrix {
+ public:
+  void make(std::size_t size) {
+    if (size < large)
+      small_.assign(size, 0.0);
+    else
+      buffer_ = Buffer(size);  // fresh from the system: zero
+    size_ = size;
+  }
+  void drop() {
+    small_ = {};
+    buffer_ = {};
+    size_ = 0;
+  }
+  [[nodiscard]] double* data() { return size_ < large ? small_.data() : buffer_.data(); }
+
+ private:
+  static constexpr std::size_t large = 32768;
+  std::size_t size_ = 0;
+  std::vector<double> small_;
+  Buffer buffer_;
+};
+
 // One factorisation in progress: the fronts' update matrices live here until their parent takes them in.
 class Multifrontal {
  public:
@@ -43,7 +68,7 @@ class Multifrontal {
   // `local` maps a position to its row in the front in hand; entries of other fronts are stale and never read.
   void eliminate(std::size_t s, std::vector<std::uint32_t>& local, bool large);
   void assemble(std::size_t s, const std::vector<std::uint32_t>& local);
-  void extend_add(std::size_t s, std::size_t child, const std::vector<std::uint32_t>& local);
+  void extend_add(std::size_t s, std::size_t child, const std::vector<std::uint32_t>& local, bool shared_out);
   void factor_small(std::size_t s);
   void factor_large(std::size_t s);
   void check(int info, std::size_t s, std::size_t first_column) const;
@@ -56,7 +81,7 @@ class Multifrontal {
   const BlockMatrix& matrix_;
   std::span<const std::uint8_t> dead_;
   double* values_;
-  std::vector<std::vector<double>> updates_;  // of each supernode, 3·below squared, lower triangle
+  std::vector<UpdateMatrix> updates_;  // of each supernode, 3·below squared, lower triangle
   std::vector<std::vector<std::uint32_t>> children_;
   std::vector<std::int32_t> active_of_row_;
   std::vector<std::uint32_t> row_of_active_;
@@ -87,27 +112,34 @@ void Multifrontal::assemble(std::size_t s, const std::vector<std::uint32_t>& loc
   }
 }
 
-void Multifrontal::extend_add(std::size_t s, std::size_t child, const std::vector<std::uint32_t>& local) {
+void Multifrontal::extend_add(std::size_t s, std::size_t child, const std::vector<std::uint32_t>& local,
+                              bool shared_out) {
   const std::span<const std::uint32_t> rows = pattern_.rows_of(child);
-  std::vector<double>& update = updates_[child];
+  double* update = updates_[child].data();
   const std::size_t child_ld = 3 * rows.size(), own = pattern_.own(s);
   const std::size_t panel_ld = 3 * (own + pattern_.below(s)), update_ld = 3 * pattern_.below(s);
   double* panel = values_ + pattern_.panel_start[s];
-  for (std::size_t j = 0; j < rows.size(); ++j) {
-    const std::size_t column = local[rows[j]];
-    const bool in_panel = column < own;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double* from = update.data() + (3 * j + a) * child_ld;
-      double* to =
-          in_panel ? panel + (3 * column + a) * panel_ld : updates_[s].data() + (3 * (column - own) + a) * update_ld;
-      const std::size_t shift = in_panel ? 0 : own;
-      for (std::size_t i = j; i < rows.size(); ++i) {
-        double* target = to + 3 * (local[rows[i]] - shift);
-        for (std::size_t b = 0; b < 3; ++b) target[b] += from[3 * i + b];
+  double* target_update = updates_[s].data();
+  const auto add_columns = [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t j = begin; j < end; ++j) {
+      const std::size_t column = local[rows[j]], shift = column < own ? 0 : own;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double* from = update + (3 * j + a) * child_ld;
+        double* to =
+            shift == 0 ? panel + (3 * column + a) * panel_ld : target_update + (3 * (column - own) + a) * update_ld;
+        for (std::size_t i = j; i < rows.size(); ++i) {
+          double* target = to + 3 * (local[rows[i]] - shift);
+          for (std::size_t b = 0; b < 3; ++b) target[b] += from[3 * i + b];
+        }
       }
     }
-  }
-  update = {};
+  };
+  // Columns of one child go to different columns, so they may be shared out; children follow each other in order.
+  if (shared_out)
+    parallel_blocks(rows.size(), 16, add_columns);
+  else
+    add_columns(0, rows.size(), 0);
+  updates_[child].drop();
 }
 
 void Multifrontal::check(int info, std::size_t s, std::size_t first_column) const {
@@ -160,9 +192,9 @@ void Multifrontal::eliminate(std::size_t s, std::vector<std::uint32_t>& local, b
   std::uint32_t place = 0;
   for (std::uint32_t p = pattern_.super_start[s]; p < pattern_.super_start[s + 1]; ++p) local[p] = place++;
   for (const std::uint32_t p : pattern_.rows_of(s)) local[p] = place++;
-  updates_[s].assign(9 * pattern_.below(s) * pattern_.below(s), 0.0);
+  updates_[s].make(9 * pattern_.below(s) * pattern_.below(s));
   assemble(s, local);
-  for (const std::uint32_t child : children_[s]) extend_add(s, child, local);
+  for (const std::uint32_t child : children_[s]) extend_add(s, child, local, large);
   if (large)
     factor_large(s);
   else
@@ -191,23 +223,43 @@ void Multifrontal::run(Progress* progress) {
     if (fits && !parent_fits) tasks.push_back(static_cast<std::uint32_t>(s));
     if (!fits) top.push_back(static_cast<std::uint32_t>(s));
   }
-  std::vector<std::uint32_t> order = tasks;
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return subtree[a] > subtree[b]; });
-  parallel_for(order.size(), [&](std::size_t k) {
-    std::vector<std::uint32_t> local(pattern_.vertices());
-    for (std::uint32_t s = first[order[k]]; s <= order[k]; ++s) {
-      if (progress && progress->stop_requested()) throw Interrupted();
-      eliminate(s, local, false);
-    }
-  });
+  const auto run_tasks = [&](std::vector<std::uint32_t> roots) {
+    std::stable_sort(roots.begin(), roots.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return subtree[a] > subtree[b]; });
+    parallel_for(roots.size(), [&](std::size_t k) {
+      std::vector<std::uint32_t> local(pattern_.vertices());
+      for (std::uint32_t s = first[roots[k]]; s <= roots[k]; ++s) {
+        if (progress && progress->stop_requested()) throw Interrupted();
+        eliminate(s, local, false);
+      }
+    });
+  };
+  // A small factor runs all its tasks at once. A large one runs them as the fronts above need them, or too many update
+  // matrices would be waiting at the same time.
+  const bool at_once = pattern_.flops < 2e10;
   double done = 0;
-  for (const std::uint32_t s : tasks) done += subtree[s];
+  if (at_once || top.empty()) {
+    run_tasks(tasks);
+    for (const std::uint32_t s : tasks) done += subtree[s];
+  }
   std::vector<std::uint32_t> local(pattern_.vertices());
   for (const std::uint32_t s : top) {
+    if (!at_once) {
+      std::vector<std::uint32_t> below;
+      for (const std::uint32_t child : children_[s])
+        if (subtree[child] <= task_flops) below.push_back(child);
+      run_tasks(below);
+      for (const std::uint32_t child : below) done += subtree[child];
+    }
     if (progress) progress->at(done / pattern_.flops);
     eliminate(s, local, pattern_.own(s) + pattern_.below(s) > 256);
     done += flops_of(s);
+  }
+  if (!at_once && !top.empty()) {  // roots of their own, beside the top
+    std::vector<std::uint32_t> alone;
+    for (const std::uint32_t s : tasks)
+      if (pattern_.parent[s] < 0) alone.push_back(s);
+    run_tasks(alone);
   }
 }
 

@@ -37,6 +37,25 @@ TEST(Parallel, AnExceptionComesOut) {
                std::runtime_error);
 }
 
+TEST(Parallel, AnExceptionComesOutOfABackgroundLane) {
+  std::thread background([&] {
+    const BackgroundLane lane;
+    for (int round = 0; round < 50; ++round) {
+      std::atomic<int> done = 0;
+      EXPECT_THROW(parallel_for(100,
+                                [&](std::size_t i) {
+                                  if (i == 57) throw std::runtime_error("57");
+                                  ++done;
+                                }),
+                   std::runtime_error);
+      EXPECT_LT(done, 100);
+      parallel_for(100, [&](std::size_t) { ++done; });
+      EXPECT_GE(done, 100);
+    }
+  });
+  background.join();
+}
+
 TEST(Parallel, ABackgroundLaneWorksBesideTheOthers) {
   std::atomic<int> sum = 0;
   std::thread background([&] {
