@@ -23,8 +23,12 @@ class UpdateMatrix {
     if (size < large)
       small_.assign(size, 0.0);
     else
-      buffer_ = Buffer(size);  // fresh from the system: zero
+      buffer_ = Buffer(size);
     size_ = size;
+    // Fresh memory is zero, but written to first: reading it first costs a second fault a page, which stops all threads.
+    constexpr std::size_t page = 512;
+    if (size >= large)
+      for (std::size_t i = 0; i < size; i += page) buffer_.data()[i] = 0;
   }
   void drop() {
     small_ = {};
@@ -57,14 +61,26 @@ class Multifrontal {
         active_of_row_[row] = static_cast<std::int32_t>(row_of_active_.size());
         row_of_active_.push_back(static_cast<std::uint32_t>(row));
       }
+    subtree_flops_.resize(pattern.supernodes());
+    first_of_subtree_.resize(pattern.supernodes());
     for (std::size_t s = 0; s < pattern.supernodes(); ++s)
       if (pattern.parent[s] >= 0)
         children_[static_cast<std::size_t>(pattern.parent[s])].push_back(static_cast<std::uint32_t>(s));
+    for (std::size_t s = 0; s < pattern.supernodes(); ++s) {
+      subtree_flops_[s] += flops_of(s);
+      first_of_subtree_[s] = static_cast<std::uint32_t>(s);
+      for (const std::uint32_t child : children_[s]) {
+        subtree_flops_[s] += subtree_flops_[child];
+        first_of_subtree_[s] = std::min(first_of_subtree_[s], first_of_subtree_[child]);
+      }
+    }
   }
 
   void run(Progress* progress);
 
  private:
+  [[nodiscard]] std::vector<std::uint32_t> subtrees_within(double flops) const;
+  void run_side_by_side(std::vector<std::uint32_t> roots, const Progress* progress);
   // `local` maps a position to its row in the front in hand; entries of other fronts are stale and never read.
   void eliminate(std::size_t s, std::vector<std::uint32_t>& local, bool large);
   void assemble(std::size_t s, const std::vector<std::uint32_t>& local);
@@ -83,6 +99,8 @@ class Multifrontal {
   double* values_;
   std::vector<UpdateMatrix> updates_;  // of each supernode, 3·below squared, lower triangle
   std::vector<std::vector<std::uint32_t>> children_;
+  std::vector<double> subtree_flops_;            // of each supernode and all below it
+  std::vector<std::uint32_t> first_of_subtree_;  // its first supernode; subtrees are contiguous in postorder
   std::vector<std::int32_t> active_of_row_;
   std::vector<std::uint32_t> row_of_active_;
 };
@@ -201,66 +219,68 @@ void Multifrontal::eliminate(std::size_t s, std::vector<std::uint32_t>& local, b
     factor_small(s);
 }
 
+// The roots of the largest subtrees that take at most `flops`, ascending.
+std::vector<std::uint32_t> Multifrontal::subtrees_within(double flops) const {
+  std::vector<std::uint32_t> roots;
+  for (std::size_t s = 0; s < pattern_.supernodes(); ++s) {
+    const std::int32_t parent = pattern_.parent[s];
+    if (subtree_flops_[s] <= flops && (parent < 0 || subtree_flops_[static_cast<std::size_t>(parent)] > flops))
+      roots.push_back(static_cast<std::uint32_t>(s));
+  }
+  return roots;
+}
+
+// Whole subtrees side by side, each on one thread.
+void Multifrontal::run_side_by_side(std::vector<std::uint32_t> roots, const Progress* progress) {
+  std::stable_sort(roots.begin(), roots.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return subtree_flops_[a] > subtree_flops_[b]; });
+  parallel_for(roots.size(), [&](std::size_t k) {
+    std::vector<std::uint32_t> local(pattern_.vertices());
+    for (std::uint32_t s = first_of_subtree_[roots[k]]; s <= roots[k]; ++s) {
+      if (progress && progress->stop_requested()) throw Interrupted();
+      eliminate(s, local, false);
+    }
+  });
+}
+
+// Small subtrees run side by side, the fronts above them one after another, shared out inside. A small factor starts
+// with all of its subtrees; a large one takes them a sixteenth at a time, or too many update matrices would be waiting.
 void Multifrontal::run(Progress* progress) {
-  const std::size_t supers = pattern_.supernodes();
-  std::vector<double> subtree(supers, 0.0);
-  std::vector<std::uint32_t> first(supers);  // first supernode of the subtree; subtrees are contiguous in postorder
-  for (std::size_t s = 0; s < supers; ++s) {
-    subtree[s] += flops_of(s);
-    first[s] = static_cast<std::uint32_t>(s);
-    for (const std::uint32_t child : children_[s]) {
-      subtree[s] += subtree[child];
-      first[s] = std::min(first[s], first[child]);
-    }
-  }
-  // Subtrees small enough to be one task each; what is above them is shared out inside each front.
-  const double task_flops = pattern_.flops / 16;
-  std::vector<std::uint32_t> tasks, top;
-  for (std::size_t s = 0; s < supers; ++s) {
-    const bool fits = subtree[s] <= task_flops;
-    const bool parent_fits =
-        pattern_.parent[s] >= 0 && subtree[static_cast<std::size_t>(pattern_.parent[s])] <= task_flops;
-    if (fits && !parent_fits) tasks.push_back(static_cast<std::uint32_t>(s));
-    if (!fits) top.push_back(static_cast<std::uint32_t>(s));
-  }
-  const auto run_tasks = [&](std::vector<std::uint32_t> roots) {
-    std::stable_sort(roots.begin(), roots.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return subtree[a] > subtree[b]; });
-    parallel_for(roots.size(), [&](std::size_t k) {
-      std::vector<std::uint32_t> local(pattern_.vertices());
-      for (std::uint32_t s = first[roots[k]]; s <= roots[k]; ++s) {
-        if (progress && progress->stop_requested()) throw Interrupted();
-        eliminate(s, local, false);
-      }
-    });
-  };
-  // A small factor runs all its tasks at once. A large one runs them as the fronts above need them, or too many update
-  // matrices would be waiting at the same time.
-  const bool at_once = pattern_.flops < 2e10;
-  double done = 0;
-  if (at_once || top.empty()) {
-    run_tasks(tasks);
-    for (const std::uint32_t s : tasks) done += subtree[s];
-  }
+  const bool large = pattern_.flops > 2e10;
+  const std::vector<std::uint32_t> tasks = subtrees_within(pattern_.flops / (large ? 400 : 16));
+  const std::vector<std::uint32_t> portions =
+      large ? subtrees_within(pattern_.flops / 16) : std::vector<std::uint32_t>{};
+  std::vector<std::uint8_t> in_task(pattern_.supernodes(), 0);
+  for (const std::uint32_t root : tasks)
+    std::fill(in_task.begin() + first_of_subtree_[root], in_task.begin() + root + 1, std::uint8_t{1});
   std::vector<std::uint32_t> local(pattern_.vertices());
-  for (const std::uint32_t s : top) {
-    if (!at_once) {
-      std::vector<std::uint32_t> below;
-      for (const std::uint32_t child : children_[s])
-        if (subtree[child] <= task_flops) below.push_back(child);
-      run_tasks(below);
-      for (const std::uint32_t child : below) done += subtree[child];
+  double done = 0;
+  std::size_t next_task = 0;
+  const auto run_tasks_up_to = [&](std::uint32_t last) {
+    std::vector<std::uint32_t> now;
+    for (; next_task < tasks.size() && tasks[next_task] <= last; ++next_task) now.push_back(tasks[next_task]);
+    for (const std::uint32_t root : now) done += subtree_flops_[root];
+    run_side_by_side(std::move(now), progress);
+  };
+  const auto eliminate_above = [&](std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t s = first; s <= last; ++s) {
+      if (in_task[s]) continue;
+      if (progress) progress->at(std::min(1.0, done / pattern_.flops));
+      eliminate(s, local, pattern_.own(s) + pattern_.below(s) > 256);
+      done += flops_of(s);
     }
-    if (progress) progress->at(done / pattern_.flops);
-    eliminate(s, local, pattern_.own(s) + pattern_.below(s) > 256);
-    done += flops_of(s);
+  };
+  const auto count = static_cast<std::uint32_t>(pattern_.supernodes());
+  std::uint32_t begun = 0;
+  for (const std::uint32_t portion : portions) {
+    if (first_of_subtree_[portion] > begun) eliminate_above(begun, first_of_subtree_[portion] - 1);
+    run_tasks_up_to(portion);
+    eliminate_above(first_of_subtree_[portion], portion);
+    begun = portion + 1;
   }
-  if (!at_once && !top.empty()) {  // roots of their own, beside the top
-    std::vector<std::uint32_t> alone;
-    for (const std::uint32_t s : tasks)
-      if (pattern_.parent[s] < 0) alone.push_back(s);
-    run_tasks(alone);
-  }
+  if (count == 0) return;
+  run_tasks_up_to(count - 1);
+  eliminate_above(begun, count - 1);
 }
 
 void subtract_rows(double* x, std::size_t ld, const double* y, std::span<const std::uint32_t> rows, std::size_t k) {
