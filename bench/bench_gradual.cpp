@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t steps = 60, tets_a_step = 10;
 // A fold starts when so many rows wait, and is adopted so many steps later: fixed, so that a replay has the same bits.
-constexpr std::size_t fold_at_rank = 30, adopt_after = 13;
+constexpr std::size_t fold_at_rank = 30, adopt_after = 22;
 
 // The tets to remove, in the order in which one blade reaches them that lays the organ open lengthwise, from its bulk
 // towards the duct (old numbers).
