@@ -177,6 +177,9 @@ void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
   if (auto* dense = dynamic_cast<DenseBase*>(base.get())) spare = dense->take();
   base = std::move(folded);
   correction = Correction(base->size());
+  std::vector<std::uint32_t> rows;
+  for (const UpdateStep& step : steps_since_fold) rows.insert(rows.end(), step.rows.begin(), step.rows.end());
+  correction.extend(*base, rows);
   for (const UpdateStep& step : steps_since_fold) correction.add(*base, step);
   correction.factor();
   steps_since_fold.clear();

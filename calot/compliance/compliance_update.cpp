@@ -1,5 +1,4 @@
 // Taking in a change of the model.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -77,9 +76,10 @@ void Compliance::Impl::settle_islands(const std::vector<std::vector<std::uint32_
         if (const Mat3* block = stiffness.find(members[i], members[j]))
           a.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) = *block;
     }
-    MatrixXd inverse = a.llt().solve(MatrixXd::Identity(size, size));
-    inverse = 0.5 * (inverse + inverse.transpose()).eval();
-    islands.push_back({members, std::move(inverse)});
+    blas::potrf(static_cast<std::size_t>(size), a.data(), static_cast<std::size_t>(size));
+    blas::potri(static_cast<std::size_t>(size), a.data(), static_cast<std::size_t>(size));
+    a.triangularView<Eigen::StrictlyUpper>() = a.transpose();
+    islands.push_back({members, std::move(a)});
   }
 }
 

@@ -38,6 +38,8 @@ class Correction {
   [[nodiscard]] bool empty() const { return rows_.empty(); }
   [[nodiscard]] std::uint64_t bytes() const;
 
+  /// Makes rows part of T at once, which is quicker than update by update; rows may repeat.
+  void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
   /// Takes in one more update; `factor` must follow before the next query.
   void add(ComplianceBase& base, const UpdateStep& step);
   /// Factors S' and says how far it can be trusted. Nothing may be asked while it is not definite.
@@ -49,7 +51,6 @@ class Correction {
   [[nodiscard]] Eigen::MatrixXd apply(const ComplianceBase& base, const Eigen::MatrixXd& x) const;
 
  private:
-  void extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows);
   void reserve(Eigen::Index size);
   [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
   [[nodiscard]] CorrectionHealth health();

@@ -25,7 +25,8 @@ class UpdateMatrix {
     else
       buffer_ = Buffer(size);
     size_ = size;
-    // Fresh memory is zero, but written to first: reading it first costs a second fault a page, which stops all threads.
+    // Fresh memory is zero, but written to first: reading it first costs a second fault a page, which stops all
+    // threads.
     constexpr std::size_t page = 512;
     if (size >= large)
       for (std::size_t i = 0; i < size; i += page) buffer_.data()[i] = 0;
