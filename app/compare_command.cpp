@@ -90,24 +90,20 @@ double diagonal(const TetMesh& mesh) {
   return (high - low).norm();
 }
 
-/// Where the surface goes, `factor` times as far; `lift` [m] outwards, so that of two surfaces in one place the upper
-/// shows.
-std::vector<Vec3> displaced(const Surface& surface, const Displacements& u, double factor, double lift) {
+/// Where the surface goes, `factor` times as far.
+std::vector<Vec3> displaced(const Surface& surface, const Displacements& u, double factor) {
   std::vector<Vec3> positions = surface.positions;
   for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += factor * u[surface.vertex_of_mesh[v].index()];
-  const std::vector<Vec3> normals = vertex_normals(surface, positions);
-  for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += lift * normals[v];
   return positions;
 }
 
 /// Two pictures: the paper's answer and the exact one, each over the recomputed one.
 void write_overlay(const std::filesystem::path& path, const Comparison& comparison) {
   const Surface surface = boundary_surface(comparison.mesh);
-  const double size = diagonal(comparison.mesh), factor = magnification(comparison.peak, size), lift = 2e-3 * size;
+  const double factor = magnification(comparison.peak, diagonal(comparison.mesh));
   const auto& [recompute, paper, exact] = comparison.methods;
-  const std::vector<Vec3> truth = displaced(surface, recompute.u, factor, 0),
-                          by_paper = displaced(surface, paper.u, factor, lift),
-                          exactly = displaced(surface, exact.u, factor, lift);
+  const std::vector<Vec3> truth = displaced(surface, recompute.u, factor),
+                          by_paper = displaced(surface, paper.u, factor), exactly = displaced(surface, exact.u, factor);
   const auto item = [&](const std::vector<Vec3>& positions, const Vec3& color, double opacity, const char* label) {
     return PictureItem{.surface = &surface, .positions = positions, .color = color, .opacity = opacity, .label = label};
   };

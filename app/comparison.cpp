@@ -44,22 +44,6 @@ MethodResult recomputed(const Model& model, const std::vector<PointForce>& force
 
 }  // namespace
 
-Distance distance_between(const Displacements& a, const Displacements& b) {
-  Distance distance;
-  if (a.empty()) return distance;
-  double sum = 0, squares = 0;
-  for (std::size_t v = 0; v < a.size(); ++v) {
-    const double d = (a[v] - b[v]).norm();
-    distance.max = std::max(distance.max, d);
-    sum += d;
-    squares += d * d;
-  }
-  const auto count = static_cast<double>(a.size());
-  distance.mean = sum / count;
-  distance.std = std::sqrt(std::max(0.0, squares / count - distance.mean * distance.mean));
-  return distance;
-}
-
 Comparison compare(const Model& model, const std::vector<Blade>& blades, const CutOptions& options,
                    std::vector<PointForce> forces, Progress* progress) {
   Comparison comparison;

@@ -10,12 +10,6 @@
 
 namespace calot {
 
-/// Distances between two displacement fields over all vertices [m].
-struct Distance {
-  double max = 0, mean = 0, std = 0;
-};
-Distance distance_between(const Displacements& a, const Displacements& b);
-
 struct MethodResult {
   std::string name;
   double seconds = 0;  ///< until the compliance after the cut is usable

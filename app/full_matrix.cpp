@@ -15,18 +15,6 @@ FullCompliance load_whole_matrix(const std::filesystem::path& path, const Model&
   return load_compliance(path, model, &terminal_progress()).full();
 }
 
-Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces) {
-  for (const PointForce& force : forces)
-    if (force.vertex.index() >= compliance.vertices)
-      throw InputError("force", "vertex " + std::to_string(force.vertex.value) + " is not in the mesh");
-  Displacements u(compliance.vertices, Vec3::Zero());
-  for (std::size_t r = 0; r < compliance.size(); ++r)
-    for (const PointForce& force : forces)
-      u[r / 3][static_cast<int>(r % 3)] +=
-          Eigen::Map<const Vec3>(compliance.row(r) + 3 * force.vertex.index()).dot(force.force);
-  return u;
-}
-
 double probe_residual(const FullCompliance& compliance, const Model& model) {
   std::vector<std::uint8_t> free_vertex(compliance.vertices, 0);
   for (const Tet& tet : model.mesh().tets)

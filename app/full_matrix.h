@@ -9,9 +9,6 @@ namespace calot {
 /// Reads C.h5 as a whole matrix, whichever form it is stored in.
 FullCompliance load_whole_matrix(const std::filesystem::path& path, const Model& model);
 
-/// u = C f [m], not refined. Throws InputError for a vertex out of range.
-Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces);
-
 /// ‖Â(Cz) − z‖/‖z‖ over the free dofs of vertices with tets, z pseudo-random there and zero elsewhere: 0 for the
 /// inverse.
 double probe_residual(const FullCompliance& compliance, const Model& model);

@@ -9,33 +9,6 @@
 
 namespace calot::bench {
 
-Distance distance_between(const Displacements& a, const Displacements& b) {
-  Distance distance;
-  double sum = 0, squares = 0;
-  for (std::size_t v = 0; v < a.size(); ++v) {
-    const double d = (a[v] - b[v]).norm();
-    distance.max = std::max(distance.max, d);
-    sum += d;
-    squares += d * d;
-  }
-  if (a.empty()) return distance;
-  const auto count = static_cast<double>(a.size());
-  distance.mean = sum / count;
-  distance.std = std::sqrt(std::max(0.0, squares / count - distance.mean * distance.mean));
-  return distance;
-}
-
-Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces) {
-  Displacements u(compliance.vertices, Vec3::Zero());
-  for (std::size_t v = 0; v < u.size(); ++v)
-    for (int axis = 0; axis < 3; ++axis)
-      for (const PointForce& force : forces)
-        u[v][axis] +=
-            Eigen::Map<const Vec3>(compliance.row(3 * v + static_cast<std::size_t>(axis)) + 3 * force.vertex.index())
-                .dot(force.force);
-  return u;
-}
-
 ThreeWays cut_three_ways(const Model& model, const Edit& edit, Progress* progress) {
   Compliance exact = precompute(model, {}, progress);
   FullCompliance paper = exact.full();

@@ -5,15 +5,6 @@
 
 namespace calot::bench {
 
-/// How far one displacement field is from another, over all vertices [m].
-struct Distance {
-  double max = 0, mean = 0, std = 0;
-};
-Distance distance_between(const Displacements& a, const Displacements& b);
-
-/// u = C f [m] of a full matrix, as it stands.
-Displacements multiply(const FullCompliance& compliance, const std::vector<PointForce>& forces);
-
 struct ThreeWays {
   Model after;  ///< the cut model
   StiffnessChange change;

@@ -3,15 +3,15 @@
 #include <cblas.h>
 
 #include <mutex>
-#include <vector>
+
+#include "calot/base/memory.h"
+#include "calot/base/parallel.h"
 
 extern "C" {
 char* openblas_get_corename(void);
 char* openblas_get_config(void);
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
-void dpstrf_(const char* uplo, const int* n, double* a, const int* lda, int* piv, int* rank, const double* tol,
-             double* work, int* info, std::size_t);
 void dtrtri_(const char* uplo, const char* diag, const int* n, double* a, const int* lda, int* info, std::size_t,
              std::size_t);
 void dlauum_(const char* uplo, const int* n, double* a, const int* lda, int* info, std::size_t);
@@ -29,7 +29,12 @@ CBLAS_TRANSPOSE transpose(char op) {
 
 void use_one_thread() {
   static std::once_flag once;
-  std::call_once(once, [] { openblas_set_num_threads(1); });
+  std::call_once(once, [] {
+    // OpenBLAS maps work space for each thread and, refused, tries again for ever; so it is asked for here first.
+    require_memory((std::uint64_t{128} << 20) * static_cast<std::uint64_t>(thread_count()),
+                   "the work space of OpenBLAS");
+    openblas_set_num_threads(1);
+  });
 }
 
 void set_threads(int count) {
@@ -78,16 +83,6 @@ int potrf(std::size_t n, double* a, std::size_t lda) {
   int info = 0;
   if (n > 0) dpotrf_("L", &size, a, &ld, &info, 1);
   return info;
-}
-
-std::size_t pstrf(std::size_t n, double* a, std::size_t lda, int* pivot, double tolerance) {
-  if (n == 0) return 0;
-  const int size = as_int(n), ld = as_int(lda);
-  int info = 0, rank = 0;
-  std::vector<double> work(2 * n);
-  dpstrf_("L", &size, a, &ld, pivot, &rank, &tolerance, work.data(), &info, 1);
-  for (std::size_t j = 0; j < n; ++j) --pivot[j];
-  return static_cast<std::size_t>(rank);
 }
 
 void trtri(std::size_t n, double* l, std::size_t ldl) {

@@ -28,10 +28,6 @@ void trsv(char op, std::size_t n, const double* l, std::size_t ldl, double* x);
 void gemv(char op, std::size_t m, std::size_t n, const double* a, std::size_t lda, const double* x, double* y);
 /// Cholesky of the lower triangle in place. @return 0, or the 1-based column whose pivot is not positive.
 int potrf(std::size_t n, double* a, std::size_t lda);
-/// Cholesky with complete pivoting, PᵀAP = LLᵀ, of a positive semidefinite lower triangle; stops at pivots ≤ tolerance.
-/// @param pivot  n, 0-based: column j of L came from row pivot[j]
-/// @return the rank
-std::size_t pstrf(std::size_t n, double* a, std::size_t lda, int* pivot, double tolerance);
 /// L ← L⁻¹ in place, lower triangular.
 void trtri(std::size_t n, double* l, std::size_t ldl);
 /// Lower triangle of L ← LᵀL in place.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calot/base/progress.h"
+#include "calot/compliance/displacements.h"
 #include "calot/compliance/full_compliance.h"
 #include "calot/fem/model.h"
 
@@ -23,14 +24,6 @@ enum class Backend {
 struct PrecomputeOptions {
   Backend backend = Backend::dense;
 };
-
-/// A force [N] on one vertex.
-struct PointForce {
-  VertexId vertex;
-  Vec3 force;
-};
-/// Displacement of every vertex [m], n; zero at fixed ones.
-using Displacements = std::vector<Vec3>;
 
 /// What an update found.
 struct UpdateReport {
