@@ -1,6 +1,7 @@
 // calot mesh: a label map becomes a tetrahedral mesh with its model.toml.
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -69,6 +70,25 @@ void print_table(const LabelMesh& meshed) {
   if (meshed.regions.size() > 1) print_row("all", meshed.quality, voxels);
 }
 
+// What the mesh falls short of, so that nobody has to find it in the table.
+void warn_of_shortfalls(const LabelMesh& meshed, const MesherOptions& options) {
+  for (const MeshedRegion& region : meshed.regions) {
+    const double off = 100 * (region.quality.volume / region.voxel_volume - 1);
+    if (std::abs(off) <= 5) continue;
+    char line[200];
+    std::snprintf(line, sizeof line, "%s has %+.1f %% of its voxels' volume; ask for more --vertices, or --refine it",
+                  region.name.empty() ? ("region " + std::to_string(region.label)).c_str() : region.name.c_str(), off);
+    warn(line);
+  }
+  if (meshed.quality.min_dihedral < options.min_dihedral) {
+    char line[200];
+    std::snprintf(line, sizeof line,
+                  "the smallest dihedral angle is %.1f degrees, %.0f were wanted; try another --vertices",
+                  meshed.quality.min_dihedral, options.min_dihedral);
+    warn(line);
+  }
+}
+
 void write_preview(const std::filesystem::path& path, const LabelMesh& meshed) {
   const Vec3 palette[] = {
       {0.45, 0.66, 0.36}, {0.93, 0.76, 0.30}, {0.36, 0.55, 0.78}, {0.72, 0.38, 0.33}, {0.62, 0.48, 0.72}};
@@ -96,6 +116,7 @@ void run_mesh(const MeshArguments& arguments) {
   const LabelMap map = read_label_map(arguments.labels);
   const LabelMesh meshed = mesh_labels(map, options_for(arguments, map), terminal_progress());
   for (const std::string& note : meshed.notes) warn(note);
+  warn_of_shortfalls(meshed, arguments.options);
   std::vector<std::string> files = label_mesh_files(meshed);
   files.insert(files.begin(), "preview.png");
   folder.fill(

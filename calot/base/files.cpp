@@ -43,7 +43,8 @@ std::ifstream open_for_reading(const fs::path& path) {
   if (fs::is_directory(path, code)) throw InputError(path.string(), "is a folder", "name a file");
   if (!fs::exists(path, code)) throw InputError(path.string(), "no such file", "check the name");
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string(), std::string("can't be opened: ") + std::strerror(errno), "check its permissions");
+  if (!in)
+    throw InputError(path.string(), std::string("can't be opened: ") + std::strerror(errno), "check its permissions");
   return in;
 }
 
@@ -61,14 +62,17 @@ std::string read_file(const fs::path& path, std::uint64_t limit) {
   return text;
 }
 
-fs::path partial_path(const fs::path& path) { return path.string() + ".partial-" + std::to_string(::getpid()); }
+fs::path partial_path(const fs::path& path) {
+  return path.string() + ".partial-" + std::to_string(::getpid());
+}
 
 void commit_file(const fs::path& partial, const fs::path& path) {
   const int file = ::open(partial.c_str(), O_RDONLY | O_CLOEXEC);
   const bool flushed = file >= 0 && ::fsync(file) == 0;
   const int reason = errno;
   if (file >= 0) ::close(file);
-  if (!flushed) throw FailedError(path.string(), std::string("can't be written: ") + std::strerror(reason), "free some space");
+  if (!flushed)
+    throw FailedError(path.string(), std::string("can't be written: ") + std::strerror(reason), "free some space");
   std::error_code code;
   fs::rename(partial, path, code);
   if (code) throw FailedError(path.string(), "can't be written: " + code.message(), "check the folder");
@@ -88,7 +92,9 @@ void write_file(const fs::path& path, const std::function<void(std::ostream&)>& 
   PartialFile partial(path);
   errno = 0;
   std::ofstream out(partial.path(), std::ios::binary);
-  if (!out) throw FailedError(path.string(), std::string("can't be written: ") + std::strerror(errno), "check the folder and its permissions");
+  if (!out)
+    throw FailedError(path.string(), std::string("can't be written: ") + std::strerror(errno),
+                      "check the folder and its permissions");
   write(out);
   out.close();
   if (!out) throw FailedError(path.string(), "can't be written: the disk is full or gone", "free some space");

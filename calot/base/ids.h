@@ -29,8 +29,12 @@ using TetId = Id<struct TetTag>;        ///< a tetrahedron of a TetMesh
 using DofId = Id<struct DofTag>;        ///< a degree of freedom, 3·vertex + axis, over all vertices of the mesh
 
 /// The degree of freedom of vertex `v` along axis 0, 1 or 2.
-constexpr DofId dof_of(VertexId v, int axis) { return DofId(3 * v.index() + static_cast<std::size_t>(axis)); }
-constexpr VertexId vertex_of(DofId d) { return VertexId(d.index() / 3); }
+constexpr DofId dof_of(VertexId v, int axis) {
+  return DofId(3 * v.index() + static_cast<std::size_t>(axis));
+}
+constexpr VertexId vertex_of(DofId d) {
+  return VertexId(d.index() / 3);
+}
 
 }  // namespace calot
 

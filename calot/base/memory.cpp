@@ -45,7 +45,9 @@ std::uint64_t available_memory() {
   return bytes;
 }
 
-std::uint64_t peak_memory() { return kilobytes_in("/proc/self/status", "VmHWM", 0); }
+std::uint64_t peak_memory() {
+  return kilobytes_in("/proc/self/status", "VmHWM", 0);
+}
 
 std::string readable_bytes(std::uint64_t bytes) {
   const char* const units[] = {"B", "kB", "MB", "GB", "TB", "PB"};
@@ -60,7 +62,8 @@ std::string readable_bytes(std::uint64_t bytes) {
 void require_memory(std::uint64_t bytes, const std::string& what) {
   const std::uint64_t there = available_memory();
   if (bytes > there)
-    throw FailedError("memory", what + " needs " + readable_bytes(bytes) + " and " + readable_bytes(there) + " are free",
+    throw FailedError("memory",
+                      what + " needs " + readable_bytes(bytes) + " and " + readable_bytes(there) + " are free",
                       "use a coarser mesh, or --backend sparse");
 }
 

@@ -20,9 +20,9 @@ enum class MassLumping {
 
 /// Time stepping and damping. Step stiffness Â = ((1 + hα) M + (h² + hβ) K)/h²; static (h = 0): Â = K.
 struct Dynamics {
-  double time_step = 0.02;          ///< h ≥ 0 [s]; 0 is static
-  double rayleigh_mass = 0;         ///< α ≥ 0 [1/s]
-  double rayleigh_stiffness = 0;    ///< β ≥ 0 [s]
+  double time_step = 0.02;        ///< h ≥ 0 [s]; 0 is static
+  double rayleigh_mass = 0;       ///< α ≥ 0 [1/s]
+  double rayleigh_stiffness = 0;  ///< β ≥ 0 [s]
   MassLumping mass_lumping = MassLumping::element;
   [[nodiscard]] bool is_static() const { return time_step == 0; }
   [[nodiscard]] double mass_factor() const;       ///< of M in Â [1/s²]; 0 when static
@@ -42,11 +42,11 @@ struct StiffnessChange {
   std::vector<VertexId> touched;  ///< old ids of the surviving vertices of removed tets, ascending; k of them
   Eigen::MatrixXd removed;        ///< 3k×3k, Σ Â_e of the removed tets on `touched` [N/m]
   struct Entry {
-    std::uint32_t row, column;    ///< positions in `touched`
-    Mat3 block;                   ///< Â' there, summed from the live tets in the order of a fresh assembly
+    std::uint32_t row, column;  ///< positions in `touched`
+    Mat3 block;                 ///< Â' there, summed from the live tets in the order of a fresh assembly
   };
-  std::vector<Entry> entries;     ///< every block of Â' between two touched vertices of a removed tet
-  std::string unsupported;        ///< static models: the part that nothing holds now (`unsupported_part`); else empty
+  std::vector<Entry> entries;  ///< every block of Â' between two touched vertices of a removed tet
+  std::string unsupported;     ///< static models: the part that nothing holds now (`unsupported_part`); else empty
 };
 
 /// Constant materials and supports over one mesh. A value; copy it to try something.

@@ -10,7 +10,8 @@ namespace calot {
 
 /// The part of a static model that nothing holds, and how it can move, in one sentence; empty when all is held.
 /// Face-connected parts are taken as rigid bodies joined at the vertices they share and held at their fixed vertices; a
-/// velocity that no joint resists is a free motion. Nothing is read off a factorisation, which often succeeds on a hinge.
+/// velocity that no joint resists is a free motion. Nothing is read off a factorisation, which often succeeds on a
+/// hinge.
 /// @param fixed  n flags
 std::string unsupported_part(const TetMesh& mesh, const std::vector<std::uint8_t>& fixed);
 

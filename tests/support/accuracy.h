@@ -18,12 +18,15 @@ inline double worst_column(const Compliance& compliance, const Compliance& refer
 }
 
 /// What an update may be off by: max(1e-9, 10 ε κ₁).
-inline double bound(const Compliance& reference) { return std::max(1e-9, 10 * 2.2e-16 * reference.condition()); }
+inline double bound(const Compliance& reference) {
+  return std::max(1e-9, 10 * 2.2e-16 * reference.condition());
+}
 
 /// Dofs spread over the mesh, and all three of each vertex in `near`.
 inline std::vector<DofId> sample_dofs(std::size_t vertices, const std::vector<VertexId>& near = {}) {
   std::vector<DofId> dofs;
-  for (std::size_t k = 0; k < 12 && vertices > 0; ++k) dofs.push_back(dof_of(VertexId(k * 7919 % vertices), static_cast<int>(k % 3)));
+  for (std::size_t k = 0; k < 12 && vertices > 0; ++k)
+    dofs.push_back(dof_of(VertexId(k * 7919 % vertices), static_cast<int>(k % 3)));
   for (const VertexId v : near)
     for (int a = 0; a < 3; ++a) dofs.push_back(dof_of(v, a));
   return dofs;

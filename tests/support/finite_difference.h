@@ -5,10 +5,10 @@
 
 namespace calot::test {
 
-/// Largest difference between `gradient` and the fourth-order central difference of `energy` at x, relative to the largest
-/// component; `step` is relative to the scale of x.
-inline double gradient_error(const std::function<double(const Eigen::VectorXd&)>& energy, const Eigen::VectorXd& gradient,
-                             const Eigen::VectorXd& x, double step) {
+/// Largest difference between `gradient` and the fourth-order central difference of `energy` at x, relative to the
+/// largest component; `step` is relative to the scale of x.
+inline double gradient_error(const std::function<double(const Eigen::VectorXd&)>& energy,
+                             const Eigen::VectorXd& gradient, const Eigen::VectorXd& x, double step) {
   double worst = 0;
   for (Eigen::Index i = 0; i < x.size(); ++i) {
     const auto at = [&](double offset) {

@@ -27,7 +27,8 @@ inline Model biliary_model(double time_step, int fineness = 1) {
   dynamics.time_step = time_step;
   dynamics.rayleigh_mass = 0.3;
   dynamics.rayleigh_stiffness = 0.002;
-  return Model(std::move(mesh), {{2, {8.0e5, 0.45, 1000}}, {3, {1.2e6, 0.40, 1060}}, {4, {1.0e6, 0.45, 1050}}}, std::move(fixed), dynamics);
+  return Model(std::move(mesh), {{2, {8.0e5, 0.45, 1000}}, {3, {1.2e6, 0.40, 1060}}, {4, {1.0e6, 0.45, 1050}}},
+               std::move(fixed), dynamics);
 }
 
 }  // namespace calot::test
