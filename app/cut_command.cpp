@@ -1,5 +1,6 @@
 // calot cut: a model and its compliance → the cut model and the compliance of that.
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -72,7 +73,10 @@ void cut_exactly(const CommandArguments& arguments, CutResult& result) {
       result.compliance->fold();
   result.fold = watch.lap();
   result.probe = result.compliance->probe();
-  if (result.probe <= drift_limit) return;
+  // What an ill-conditioned model can't do better is no drift.
+  if (result.probe <= drift_limit ||
+      result.probe <= 10 * std::numeric_limits<double>::epsilon() * result.compliance->condition())
+    return;
   result.notes.push_back("the probe found a residual of " + number_text(result.probe, 2) +
                          " after the update, so the compliance was computed anew");
   watch.lap();
