@@ -1,6 +1,7 @@
 #include "calot/compliance/compliance.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -152,21 +153,28 @@ void Compliance::Impl::lay_out_rows(std::shared_ptr<const FactorPattern> made) {
 }
 
 void Compliance::Impl::build(Progress* progress) {
+  // Nothing of the old compliance is given up before the new one is there: a stop or a lack of memory changes nothing.
   if (progress) progress->phase("ordering");
-  lay_out_rows();
-  const std::size_t n = 3 * pattern->vertices();
-  if (backend == Backend::dense) base.reset();  // Its memory is needed for the new matrix.
+  const std::vector<std::uint8_t> now_active = active_slots(*this);
+  auto made = std::make_shared<FactorPattern>(analyse(stiffness, now_active));
+  const std::size_t n = 3 * made->vertices();
+  require_memory(made->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0),
+                 "the compliance");
+  std::unique_ptr<ComplianceBase> fresh = make_base(backend, made, stiffness, now_active, {}, {}, progress);
+  lay_out_rows(std::move(made));
   spare = {};
-  require_memory(
-      pattern->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0),
-      "the compliance");
-  base = make_base(backend, pattern, stiffness, active, {}, {}, progress);
+  base = std::move(fresh);
 }
 
 // A fold computes C anew from the cut Â, in the pattern analysed before. That is as quick as adding the correction to
 // the matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind:
 // docs/decisions/0006-fold-by-refactoring.md.
 std::function<std::unique_ptr<ComplianceBase>()> Compliance::Impl::fold_work() {
+  const std::size_t n = base->size();
+  if (backend == Backend::dense && spare.size() != n * n)
+    require_memory(n * n * sizeof(double), "a second matrix to fold into");
+  steps_since_fold.clear();  // The Â taken along here knows every update so far, whatever became of an earlier fold.
+  base_is_stale = false;
   return [backend = backend, pattern = pattern, stiffness = stiffness, active = active, dead = dead,
           into = std::make_shared<Buffer>(std::move(spare))]() {
     return make_base(backend, pattern, stiffness, active, dead, std::move(*into), nullptr);
@@ -181,16 +189,28 @@ void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
   for (const UpdateStep& step : steps_since_fold) rows.insert(rows.end(), step.rows.begin(), step.rows.end());
   correction.extend(*base, rows);
   for (const UpdateStep& step : steps_since_fold) correction.add(*base, step);
-  correction.factor();
   steps_since_fold.clear();
+  if (is_lost(correction.factor())) refactor();
+}
+
+bool Compliance::Impl::is_lost(const CorrectionHealth& health) const {
+  // Written so that a NaN is lost too.
+  return !health.definite || (is_static ? !(health.smallest_eigenvalue >= 1e-10) : !(health.error <= 1e-4));
 }
 
 void Compliance::Impl::refactor() {
+  std::unique_ptr<ComplianceBase> fresh = make_base(Backend::sparse, pattern, stiffness, active, dead, {}, nullptr);
   if (fold.valid()) abandoned.push_back(std::move(fold));
   steps_since_fold.clear();
-  base = make_base(Backend::sparse, pattern, stiffness, active, dead, {}, nullptr);
+  base_is_stale = false;
+  base = std::move(fresh);
   correction = Correction(base->size());
   settle_islands({});
+}
+
+void Compliance::Impl::drop_abandoned() {
+  std::erase_if(abandoned,
+                [](const auto& late) { return late.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
 }
 
 bool Compliance::Impl::away_from_home() const {
@@ -284,7 +304,7 @@ Displacements Compliance::solve(const std::vector<PointForce>& forces) const {
 }
 
 std::size_t Compliance::pending_rank() const {
-  return impl_->away_from_home() ? impl_->base->size() : impl_->correction.rows().size();
+  return impl_->away_from_home() || impl_->base_is_stale ? impl_->base->size() : impl_->correction.rows().size();
 }
 
 void Compliance::fold() {
@@ -305,6 +325,7 @@ void Compliance::reserve_fold() {
 }
 
 void Compliance::start_fold() {
+  impl_->drop_abandoned();
   if (impl_->fold.valid() || pending_rank() == 0) return;
   impl_->fold = std::async(std::launch::async, [work = impl_->fold_work()] {
     const BackgroundLane lane;
@@ -423,6 +444,27 @@ std::vector<VertexId> Compliance::factor_vertices() const {
   return vertices;
 }
 
+namespace {
+
+// Every entry of Â must have its place in the pattern, or the next elimination would write where there is none.
+void require_room_for(const BlockMatrix& matrix, const Compliance::Impl& impl) {
+  const FactorPattern& f = *impl.pattern;
+  for (std::size_t s = 0; s < matrix.rows(); ++s) {
+    if (impl.row_of_slot[s] < 0) continue;
+    const auto p = static_cast<std::uint32_t>(impl.row_of_slot[s] / 3);
+    const std::span<const std::uint32_t> rows = f.rows_of(f.super_of[p]);
+    for (std::uint32_t k = matrix.row_start[s]; k < matrix.row_start[s + 1]; ++k) {
+      if (impl.row_of_slot[matrix.column[k]] < 0) continue;
+      const auto q = static_cast<std::uint32_t>(impl.row_of_slot[matrix.column[k]] / 3);
+      if (q > p && f.super_of[q] != f.super_of[p] && !std::binary_search(rows.begin(), rows.end(), q))
+        throw InputError("factor", "has no place for an entry of the model's stiffness",
+                         "compute it again with `calot precompute --backend sparse`");
+    }
+  }
+}
+
+}  // namespace
+
 Compliance Compliance::from_factor(const Model& model, SparseFactor factor) {
   blas::use_one_thread();
   std::unique_ptr<Impl> impl = start(model, Backend::sparse);
@@ -434,6 +476,7 @@ Compliance Compliance::from_factor(const Model& model, SparseFactor factor) {
                          std::to_string(free) + " free ones",
                      "compute it again with `calot precompute --backend sparse`");
   impl->lay_out_rows(factor.shared_pattern());
+  require_room_for(impl->stiffness, *impl);
   impl->base = std::make_unique<SparseBase>(std::move(factor));
   Compliance compliance(std::move(impl));
   if (const double drift = compliance.probe(); !(drift < 1e-3))

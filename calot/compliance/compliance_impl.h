@@ -38,6 +38,7 @@ struct Compliance::Impl {
   Correction correction;
   std::vector<Island> islands;
   std::vector<std::int32_t> island_of_slot;  // or −1
+  bool base_is_stale = false;  // an island was cut: answers are right, but the base is not that of Â any more
   std::vector<UpdateStep> steps_since_fold;  // updates that a fold under way does not know
 
   // Declared last: its thread reads the members above, so it must end first.
@@ -70,6 +71,8 @@ struct Compliance::Impl {
   void adopt(std::unique_ptr<ComplianceBase> folded);
   /// Makes a fresh factor of the current Â the base, whatever the home: a tenth of the time of inverting it.
   void refactor();
+  [[nodiscard]] bool is_lost(const CorrectionHealth& health) const;
+  void drop_abandoned();
   [[nodiscard]] bool away_from_home() const;  ///< a dense compliance that answers from a factor for now
 };
 

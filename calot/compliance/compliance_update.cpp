@@ -76,7 +76,9 @@ void Compliance::Impl::settle_islands(const std::vector<std::vector<std::uint32_
         if (const Mat3* block = stiffness.find(members[i], members[j]))
           a.block<3, 3>(static_cast<Index>(3 * i), static_cast<Index>(3 * j)) = *block;
     }
-    blas::potrf(static_cast<std::size_t>(size), a.data(), static_cast<std::size_t>(size));
+    if (blas::potrf(static_cast<std::size_t>(size), a.data(), static_cast<std::size_t>(size)) != 0)
+      throw Unsupported("", "a freed piece around slot " + std::to_string(members.front()) + " has no inverse",
+                        "remove it with the cut, or use a time step > 0");
     blas::potri(static_cast<std::size_t>(size), a.data(), static_cast<std::size_t>(size));
     a.triangularView<Eigen::StrictlyUpper>() = a.transpose();
     islands.push_back({members, std::move(a)});
@@ -193,7 +195,7 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
     impl.correction.add(*impl.base, step);
     const CorrectionHealth health = impl.correction.factor();
     report.smallest_eigenvalue = health.smallest_eigenvalue;
-    lost = !health.definite || (impl.is_static ? health.smallest_eigenvalue < 1e-10 : health.error > 1e-4);
+    lost = impl.is_lost(health);
   }
   if (lost && impl.is_static) {
     impl.stiffness = std::move(saved->stiffness);
@@ -210,6 +212,7 @@ UpdateReport Compliance::update(const StiffnessChange& change) {
     return report;
   }
   impl.settle_islands(islands);
+  if (step.rows.empty() && !(touched.empty() && struck.empty())) impl.base_is_stale = true;
   if (!step.rows.empty() && impl.fold.valid()) impl.steps_since_fold.push_back(std::move(step));
   return report;
 }

@@ -72,7 +72,7 @@ void Correction::extend(ComplianceBase& base, const std::vector<std::uint32_t>& 
     blas::gemm('N', 'N', k, n, n, 1, across.data(), k, condensed_.data(), capacity, 0, h.data(), k);
     blas::gemm('N', 'T', k, k, n, -1, h.data(), k, across.data(), k, 1, own.data(), k);
   }
-  blas::potrf(k, own.data(), k);
+  if (blas::potrf(k, own.data(), k) != 0) failed_ = true;
   blas::trsm('L', 'N', k, n, 1, own.data(), k, h.data(), k);                         // L⁻¹ H
   if (n > 0) blas::syrk('T', n, k, 1, h.data(), k, 1, condensed_.data(), capacity);  // S0 + Hᵀ s H
   blas::trsm('L', 'T', k, n, -1, own.data(), k, h.data(), k);                        // −s H
@@ -97,6 +97,7 @@ void Correction::add(ComplianceBase& base, const UpdateStep& step) {
 
 CorrectionHealth Correction::factor() {
   const Index n = size();
+  if (failed_) return {false, 0, 1};
   if (n == 0) return {};
   for (Index j = 0; j < n; ++j) {
     if (struck_[count(j)]) {

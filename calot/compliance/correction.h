@@ -61,6 +61,7 @@ class Correction {
   std::vector<std::int32_t> place_;   // of each base row, its place in T, or −1
   std::vector<std::uint8_t> struck_;  // a flag for each of T
   Eigen::VectorXd weakest_mode_;      // of S' against S0, from the last `factor`: where the next one starts
+  bool failed_ = false;               // C0_TT is not positive definite to working precision
   double largest_compliance_ = 0;     // on the diagonal of C0_TT
   // Square, of a capacity that grows by doubling; only the first |T| rows and columns count.
   Eigen::MatrixXd condensed_;  // S0, both triangles

@@ -105,6 +105,19 @@ void check_rows(const FactorPattern& f, std::size_t s) {
   if (!std::includes(above.begin(), above.end(), first, rows.end())) refuse("its rows are not those of an elimination");
 }
 
+// Subtrees must be contiguous (a postorder): they are eliminated as ranges, several at a time.
+void check_postorder(const FactorPattern& f) {
+  std::vector<std::size_t> size(f.supernodes(), 1), first(f.supernodes());
+  for (std::size_t s = 0; s < f.supernodes(); ++s) first[s] = s;
+  for (std::size_t s = 0; s < f.supernodes(); ++s) {
+    if (first[s] + size[s] != s + 1) refuse("its supernodes are not in postorder");
+    if (f.parent[s] < 0) continue;
+    const auto parent = static_cast<std::size_t>(f.parent[s]);
+    size[parent] += size[s];
+    first[parent] = std::min(first[parent], first[s]);
+  }
+}
+
 }  // namespace
 
 FactorPattern complete_pattern(std::vector<std::uint32_t> perm, std::vector<std::uint32_t> super_start,
@@ -132,6 +145,7 @@ FactorPattern complete_pattern(std::vector<std::uint32_t> perm, std::vector<std:
     f.nonzeros += c * (c + 1) / 2 + r * c;
     f.flops += c * c * c / 3 + r * c * c + r * r * c;
   }
+  check_postorder(f);
   return f;
 }
 

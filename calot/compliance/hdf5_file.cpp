@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "calot/base/error.h"
+#include "calot/base/memory.h"
 
 namespace calot::detail {
 namespace {
@@ -240,6 +241,7 @@ std::vector<T> H5Reader::vector(const char* path, std::uint64_t limit) const {
   hid_t type = H5T_NATIVE_DOUBLE;
   if constexpr (std::is_same_v<T, std::uint32_t>) type = H5T_NATIVE_UINT32;
   if constexpr (std::is_same_v<T, std::int64_t>) type = H5T_NATIVE_INT64;
+  require_memory(sizes[0] * sizeof(T), name_);
   std::vector<T> values(sizes[0]);
   if (!values.empty() && H5Dread(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
     refuse_damaged(path);
