@@ -9,7 +9,18 @@
 namespace calot {
 namespace {
 
-class Fold : public testing::TestWithParam<Backend> {};
+class Fold : public testing::TestWithParam<Backend> {
+ protected:
+  // The answer is that of a recomputation, before the fold and after it, which leaves nothing pending.
+  static void expect_right_before_and_after_folding(Compliance& compliance, const Model& model) {
+    const Compliance reference = precompute(model, {GetParam()});
+    const std::vector<DofId> dofs = test::sample_dofs(model.mesh().vertex_count());
+    EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
+    compliance.fold();
+    EXPECT_EQ(compliance.pending_rank(), 0u);
+    EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
+  }
+};
 
 TEST_P(Fold, KeepsTheAnswerAndEndsTheCorrection) {
   Model model = test::biliary_model(0.02);
@@ -104,12 +115,7 @@ TEST_P(Fold, AnUpdateThatWouldKeepFewDigitsIsFactoredAnew) {
   const UpdateReport report = compliance.update(change);
   EXPECT_TRUE(report.refreshed) << report.smallest_eigenvalue;
   EXPECT_EQ(compliance.pending_rank() > 0, GetParam() == Backend::dense);
-  const Compliance reference = precompute(model, {GetParam()});
-  const std::vector<DofId> dofs = test::sample_dofs(model.mesh().vertex_count());
-  EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
-  compliance.fold();
-  EXPECT_EQ(compliance.pending_rank(), 0u);
-  EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
+  expect_right_before_and_after_folding(compliance, model);
 }
 
 // Cutting a crumb that was freed before leaves no correction, but the factor that is written must know of it.
@@ -129,12 +135,7 @@ TEST_P(Fold, ACutInsideAFreedCrumbIsFoldedToo) {
   ASSERT_GT(crumb.size(), 4u);
   compliance.update(model.apply({{crumb[1]}, {}, {}}));
   EXPECT_GT(compliance.pending_rank(), 0u);
-  const Compliance reference = precompute(model, {GetParam()});
-  const std::vector<DofId> dofs = test::sample_dofs(model.mesh().vertex_count());
-  EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
-  compliance.fold();
-  EXPECT_EQ(compliance.pending_rank(), 0u);
-  EXPECT_LE(test::worst_column(compliance, reference, dofs), test::bound(reference));
+  expect_right_before_and_after_folding(compliance, model);
 }
 
 INSTANTIATE_TEST_SUITE_P(BothHomes, Fold, testing::Values(Backend::dense, Backend::sparse),

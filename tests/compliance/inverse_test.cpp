@@ -81,6 +81,7 @@ TEST(Inverse, LargeFrontsSolveToo) {
       test::make_model(test::box_mesh(18, 18, 18, {0.1, 0.1, 0.1}), 0.02, [](const Vec3& p) { return p.z() < 1e-9; });
   const Compliance sparse = precompute(model, {Backend::sparse});
   EXPECT_LT(sparse.probe(), 1e-10);
+  EXPECT_GE(precompute_memory(model, {Backend::sparse}), sparse.bytes());
 }
 
 TEST(Condition, IsThatOfTheMatrix) {
