@@ -59,8 +59,9 @@ void write_figure(const std::filesystem::path& folder, const std::vector<Sample>
             .log_y = true};
   PlotSeries recompute{.title = "recomputed"}, paper{.title = "paper's update, in memory"},
       files{.title = "paper's way: file and reload"}, exact{.title = "exact update"},
-      sofa{.title = "SOFA, default (quoted)"}, ldl{.title = "SOFA, LDL (quoted)"},
-      solver{.title = "SOFA, PrecomputedLinearSolver (quoted)"};
+      sofa{.title = "SOFA recomputing, default (quoted; last two extrapolated)"},
+      ldl{.title = "SOFA recomputing, LDL (quoted)"},
+      solver{.title = "SOFA recomputing, PrecomputedLinearSolver (quoted)"};
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const Sample& s = samples[k];
     const auto x = static_cast<double>(s.vertices);
