@@ -19,12 +19,12 @@ struct PhantomArguments {
 
 void write_phantom(const std::filesystem::path& folder, std::uint64_t seed) {
   StagedFolder staged(folder);
-  const Phantom phantom = make_phantom(seed, 0.6e-3, &terminal_progress());
+  const Phantom phantom = make_biliary_tree(seed, 0.6e-3, &terminal_progress());
   staged.fill(
       [&](const std::filesystem::path& place) {
         write_ct(place / "ct.nii.gz", phantom.ct);
         write_label_map(place / "labels.nii.gz", phantom.labels);
-        write_markups(place / "ducts.mrk.json", phantom.ducts);
+        write_markups(place / "ducts.mrk.json", phantom.lines);
       },
       {"ct.nii.gz", "ducts.mrk.json", "labels.nii.gz"});
   const PhantomFacts& f = phantom.facts;

@@ -32,10 +32,10 @@ std::vector<std::uint8_t> supports(const TetMesh& mesh, const Phantom& phantom, 
     for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = mesh.positions[v].z() < low + 0.15 * (high - low);
     return fixed;
   }
-  const auto line = std::find_if(phantom.ducts.begin(), phantom.ducts.end(),
+  const auto line = std::find_if(phantom.lines.begin(), phantom.lines.end(),
                                  [](const Centreline& d) { return d.name == "common bile duct"; });
   for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-    if (mesh.regions[t] != phantom_label::common_bile_duct) continue;
+    if (mesh.regions[t] != label_of(Structure::common_bile_duct)) continue;
     for (const VertexId v : mesh.tets[t])
       for (const Vec3& end : {line->points.front(), line->points.back()})
         if ((mesh.position(v) - end).norm() < 5e-3) fixed[v.index()] = 1;
@@ -44,11 +44,11 @@ std::vector<std::uint8_t> supports(const TetMesh& mesh, const Phantom& phantom, 
 }
 
 Model phantom_model(const BenchOptions& options, std::size_t vertices, double time_step) {
-  const Phantom phantom = make_phantom(1, 0.6e-3, options.progress);
+  const Phantom phantom = make_biliary_tree(1, 0.6e-3, options.progress);
   MesherOptions mesher;
   mesher.vertices = vertices;
   const bool with_ducts = vertices >= least_for_ducts;
-  if (!with_ducts) mesher.labels = {phantom_label::gallbladder};
+  if (!with_ducts) mesher.labels = {label_of(Structure::gallbladder)};
   LabelMesh meshed = mesh_labels(phantom.labels, mesher, progress_of(options));
   std::vector<std::uint8_t> fixed = supports(meshed.mesh, phantom, with_ducts);
   std::map<std::int32_t, Material> materials;

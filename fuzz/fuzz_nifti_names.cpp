@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "calot/base/error.h"
-#include "calot/patient/nifti.h"
+#include "calot/image/nifti.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "calot/mesh/tet_mesh.h"
-#include "calot/patient/label_map.h"
-#include "calot/patient/voxel_parts.h"
+#include "calot/image/label_map.h"
+#include "calot/image/voxel_parts.h"
 
 namespace calot {
 

@@ -7,7 +7,7 @@
 #include "calot/base/parallel.h"
 #include "calot/patient/random.h"
 #include "calot/patient/sweep.h"
-#include "calot/patient/voxel_parts.h"
+#include "calot/image/voxel_parts.h"
 
 namespace calot {
 namespace {
@@ -152,9 +152,9 @@ Anatomy draw_anatomy(std::uint64_t seed) {
   const Centreline cystic = cystic_duct(random, neck_radius, common, anatomy.facts);
   const BallChain sac = gallbladder(random, cystic.points.front(), neck_radius, anatomy.facts);
   anatomy.organs = {
-      {phantom_label::cystic_duct, "cystic duct", bile, balls_along(cystic.points, cystic.radii)},
-      {phantom_label::gallbladder, "gallbladder", bile, sac},
-      {phantom_label::common_bile_duct, "common bile duct", bile, balls_along(common.points, common.radii)}};
+      {label_of(Structure::cystic_duct), "cystic duct", bile, balls_along(cystic.points, cystic.radii)},
+      {label_of(Structure::gallbladder), "gallbladder", bile, sac},
+      {label_of(Structure::common_bile_duct), "common bile duct", bile, balls_along(common.points, common.radii)}};
   anatomy.ducts = {cystic, common};
   return anatomy;
 }
@@ -207,14 +207,14 @@ void clean_labels(LabelMap& map) {
 
 }  // namespace
 
-Phantom make_phantom(std::uint64_t seed, double voxel, Progress* progress) {
+Phantom make_biliary_tree(std::uint64_t seed, double voxel, Progress* progress) {
   if (!(voxel >= 0.3e-3 && voxel <= 0.7e-3))
     throw InputError("phantom", "the voxel size isn't in 0.3 … 0.7 mm", "use 0.6 mm");
   if (progress) progress->phase("phantom");
   const Anatomy anatomy = draw_anatomy(seed);
   Phantom phantom;
   phantom.facts = anatomy.facts;
-  phantom.ducts = anatomy.ducts;
+  phantom.lines = anatomy.ducts;
   phantom.labels.grid = phantom.ct.grid = grid_around(anatomy.organs, voxel);
   phantom.labels.voxels.resize(phantom.labels.grid.count());
   phantom.ct.hounsfield.resize(phantom.labels.grid.count());

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calot/mesh/tet_mesh.h"
-#include "calot/patient/volume.h"
+#include "calot/image/volume.h"
 
 namespace calot {
 

@@ -6,7 +6,7 @@
 #include "calot/fem/model_file.h"
 #include "calot/mesh/mesh_file.h"
 #include "calot/patient/phantom.h"
-#include "tests/patient/volumes.h"
+#include "tests/support/volumes.h"
 #include "tests/support/files.h"
 
 namespace calot {
@@ -20,7 +20,7 @@ std::size_t fixed_count(const Model& model) {
 
 TEST(LabelMeshFiles, the_phantom_is_held_at_both_ends_of_its_bile_duct) {
   const test::TempFolder folder;
-  const Phantom phantom = make_phantom(2, 0.7e-3);
+  const Phantom phantom = make_biliary_tree(2, 0.7e-3);
   MesherOptions options;
   options.vertices = 1200;
   Progress progress;
@@ -35,7 +35,7 @@ TEST(LabelMeshFiles, the_phantom_is_held_at_both_ends_of_its_bile_duct) {
   for (std::size_t v = 0; v < meshed.mesh.vertex_count(); ++v)
     EXPECT_LT((model.mesh().positions[v] - meshed.mesh.positions[v]).norm(), 1e-12);
   EXPECT_EQ(model.mesh().region_names, meshed.mesh.region_names);
-  const Vec3 hilum = phantom.ducts[1].points.front(), papilla = phantom.ducts[1].points.back();
+  const Vec3 hilum = phantom.lines[1].points.front(), papilla = phantom.lines[1].points.back();
   std::size_t above = 0, below = 0;
   for (std::size_t v = 0; v < meshed.mesh.vertex_count(); ++v) {
     if (!model.fixed()[v]) continue;

@@ -5,7 +5,7 @@
 
 #include "calot/mesh/parts.h"
 #include "calot/patient/phantom.h"
-#include "tests/patient/volumes.h"
+#include "tests/support/volumes.h"
 #include "tests/support/files.h"
 
 namespace calot {
@@ -34,7 +34,7 @@ void expect_sound(const LabelMesh& meshed, std::size_t vertices) {
 }
 
 TEST(Mesher, meshes_the_phantom) {
-  const Phantom phantom = make_phantom(3);
+  const Phantom phantom = make_biliary_tree(3);
   MesherOptions options;
   options.vertices = 1500;
   Progress progress;
@@ -42,20 +42,20 @@ TEST(Mesher, meshes_the_phantom) {
   expect_sound(meshed, options.vertices);
   ASSERT_EQ(meshed.regions.size(), 3u);
   EXPECT_EQ(face_connected_parts(meshed.mesh).count(), 1u);
-  EXPECT_EQ(meshed.mesh.region_names.at(phantom_label::cystic_duct), "cystic duct");
+  EXPECT_EQ(meshed.mesh.region_names.at(label_of(Structure::cystic_duct)), "cystic duct");
   EXPECT_LT(meshed.regions[1].quality.mean_edge, 0.5 * meshed.regions[0].quality.mean_edge)
       << "the thin duct gets small tets";
   Eigen::AlignedBox3d box;
   for (const Vec3& p : meshed.mesh.positions) box.extend(p);
-  EXPECT_TRUE(box.contains(phantom.ducts[0].points[phantom.ducts[0].points.size() / 2]))
+  EXPECT_TRUE(box.contains(phantom.lines[0].points[phantom.lines[0].points.size() / 2]))
       << "in the patient's coordinates";
 }
 
 TEST(Mesher, refines_a_region_to_the_edge_asked_for) {
-  const Phantom phantom = make_phantom(4);
+  const Phantom phantom = make_biliary_tree(4);
   MesherOptions options;
   options.vertices = 3000;
-  options.refine = {{phantom_label::cystic_duct, 0.8e-3}};
+  options.refine = {{label_of(Structure::cystic_duct), 0.8e-3}};
   Progress progress;
   const LabelMesh meshed = mesh_labels(phantom.labels, options, progress);
   expect_sound(meshed, options.vertices);

@@ -12,7 +12,8 @@ import sys
 # What each room may include besides itself. Later rooms may include all earlier ones of their line.
 LINE = ["base", "mesh", "fem", "compliance", "cut", "contact", "sim", "trainer"]
 ALLOWED = {room: set(LINE[:i]) for i, room in enumerate(LINE)}
-ALLOWED["patient"] = {"base", "mesh"}
+ALLOWED["image"] = {"base", "mesh"}
+ALLOWED["patient"] = {"base", "mesh", "image"}
 ALLOWED["device"] = {"base"} | set(LINE)
 ALLOWED["view"] = {"base"} | set(LINE)
 

@@ -1,4 +1,4 @@
-#include "calot/patient/markups.h"
+#include "calot/patient/centreline_file.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -44,12 +44,6 @@ Json curve(const Centreline& line) {
 }
 
 }  // namespace
-
-double length(const Centreline& line) {
-  double sum = 0;
-  for (std::size_t p = 1; p < line.points.size(); ++p) sum += (line.points[p] - line.points[p - 1]).norm();
-  return sum;
-}
 
 void write_markups(const std::filesystem::path& path, const std::vector<Centreline>& lines) {
   Json file{{"@schema",

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace calot {
@@ -27,5 +29,13 @@ struct CtImage {
   VoxelGrid grid;
   std::vector<std::int16_t> hounsfield;  ///< grid.count() values [HU]
 };
+
+/// How two grids differ, in words ("spacing 0.7 x 0.7 x 3.0 mm against 0.8 x 0.8 x 3.0 mm"); empty when they have the
+/// same size and every voxel lies within a hundredth of a voxel of its counterpart.
+std::string grid_difference(const VoxelGrid& a, const VoxelGrid& b);
+
+/// Where voxel (0, 0, 0) of `part` lies in `whole`, when part's voxels are some of whole's (same spacing,
+/// axes in the same order); empty when they are not.
+std::optional<std::array<std::ptrdiff_t, 3>> offset_in(const VoxelGrid& whole, const VoxelGrid& part);
 
 }  // namespace calot

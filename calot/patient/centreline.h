@@ -1,6 +1,5 @@
-// Centrelines with radii, as 3D Slicer's markups (.mrk.json).
+// Middle lines of ducts and arteries, with radii.
 #pragma once
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -17,9 +16,11 @@ struct Centreline {
 
 /// Arc length [m].
 double length(const Centreline& line);
-
-/// Writes one open curve a centreline (RAS, mm), the radii as a measurement "radius" on its control points.
-/// Source: 3D Slicer, markups-schema-v1.0.3.
-void write_markups(const std::filesystem::path& path, const std::vector<Centreline>& lines);
+/// The place [m] and unit direction at an arc length from the first point, clamped to the ends; radius by interpolation.
+struct LinePlace {
+  Vec3 point, direction;
+  double radius;
+};
+LinePlace place_at(const Centreline& line, double arc_length);
 
 }  // namespace calot

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "calot/patient/label_map.h"
+#include "calot/image/label_map.h"
 
 namespace calot::test {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "calot/patient/label_map.h"
+#include "calot/image/label_map.h"
 
 namespace calot {
 

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "calot/base/error.h"
-#include "calot/patient/nifti.h"
+#include "calot/image/nifti.h"
 
 namespace calot {
 namespace {

@@ -1,4 +1,4 @@
-#include "tests/patient/volumes.h"
+#include "tests/support/volumes.h"
 
 namespace calot::test {
 

@@ -1,4 +1,4 @@
-#include "calot/patient/voxel_parts.h"
+#include "calot/image/voxel_parts.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include <itkImageFileReader.h>
 #include <itkNiftiImageIO.h>
 
-#include "calot/patient/label_map.h"
-#include "tests/patient/volumes.h"
+#include "calot/image/label_map.h"
+#include "tests/support/volumes.h"
 #include "tests/support/files.h"
 
 namespace calot {

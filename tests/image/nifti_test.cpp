@@ -1,11 +1,11 @@
 // NIfTI label maps: round trips, and files that nibabel wrote and reads.
-#include "calot/patient/nifti.h"
+#include "calot/image/nifti.h"
 
 #include <gtest/gtest.h>
 
 #include "calot/base/files.h"
-#include "calot/patient/label_map.h"
-#include "tests/patient/volumes.h"
+#include "calot/image/label_map.h"
+#include "tests/support/volumes.h"
 #include "tests/support/files.h"
 
 namespace calot {

@@ -7,7 +7,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
-#include "calot/patient/nifti.h"
+#include "calot/image/nifti.h"
 
 // Written by hand, not by ITK: ITK can't write header extensions, and the same volume must give the same bytes.
 namespace calot {

@@ -13,7 +13,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
-#include "calot/patient/nifti.h"
+#include "calot/image/nifti.h"
 
 namespace calot {
 namespace {

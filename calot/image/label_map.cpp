@@ -1,4 +1,4 @@
-#include "calot/patient/label_map.h"
+#include "calot/image/label_map.h"
 
 #include <algorithm>
 #include <charconv>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calot/patient/volume.h"
+#include "calot/image/volume.h"
 
 namespace calot {
 

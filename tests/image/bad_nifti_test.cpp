@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
-#include "calot/patient/label_map.h"
-#include "calot/patient/nifti.h"
-#include "tests/patient/volumes.h"
+#include "calot/image/label_map.h"
+#include "calot/image/nifti.h"
+#include "tests/support/volumes.h"
 #include "tests/support/files.h"
 
 namespace calot {
