@@ -1,5 +1,3 @@
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -7,19 +5,15 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
 #include <pugixml.hpp>
-#include <vector>
 
 #include "calot/base/error.h"
-#include "calot/base/files.h"
 #include "calot/image/nifti.h"
 
 namespace calot {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
-constexpr std::size_t header_size = 348;
 constexpr std::size_t largest_offset = std::size_t{16} << 20;  // of the voxels: header and extensions
 constexpr std::size_t largest_count = std::size_t{1} << 31;    // of voxels
 
@@ -40,79 +34,32 @@ class Fields {
   bool swapped_;
 };
 
-/// Unpacks a gzip file piece by piece: hostile files may claim to be any size.
-class Unpacker {
- public:
-  Unpacker(const std::string& packed, std::string where) : where_(std::move(where)) {
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
-    left_ = packed.size();
-    if (inflateInit2(&stream_, 15 + 16) != Z_OK) throw FailedError(where_, "no memory to unpack it");
-  }
-  ~Unpacker() { inflateEnd(&stream_); }
-  Unpacker(const Unpacker&) = delete;
-  Unpacker& operator=(const Unpacker&) = delete;
-
-  /// Unpacks up to `count` bytes; appends them to `kept` where given. Returns how many there were.
-  std::size_t take(std::size_t count, std::string* kept) {
-    std::size_t taken = 0;
-    while (taken < count && !ended_) {
-      feed();
-      stream_.next_out = chunk_.data();
-      stream_.avail_out = static_cast<uInt>(std::min(chunk_.size(), count - taken));
-      const auto wanted = stream_.avail_out;
-      const int code = inflate(&stream_, Z_NO_FLUSH);
-      const std::size_t got = wanted - stream_.avail_out;
-      if (kept) kept->append(reinterpret_cast<const char*>(chunk_.data()), got);
-      taken += got;
-      if (code == Z_BUF_ERROR || (got == 0 && code == Z_OK && stream_.avail_in == 0 && left_ == 0)) break;
-      if (code == Z_STREAM_END)
-        ended_ = true;
-      else if (code != Z_OK)
-        throw InputError(where_, "its compressed data is damaged", "copy or export the file again");
-    }
-    return taken;
-  }
-
-  /// Whether nothing but a whole end follows, or more than a megabyte that nobody asked for.
-  bool ends_well() {
-    constexpr std::size_t enough = std::size_t{1} << 20;
-    return take(enough, nullptr) == enough || ended_;
-  }
-
- private:
-  void feed() {
-    if (stream_.avail_in > 0) return;
-    const std::size_t piece = std::min<std::size_t>(left_, std::size_t{1} << 30);
-    stream_.avail_in = static_cast<uInt>(piece);
-    left_ -= piece;
-  }
-  std::string where_;
-  z_stream stream_{};
-  std::size_t left_ = 0;
-  std::vector<Bytef> chunk_ = std::vector<Bytef>(1 << 18);
-  bool ended_ = false;
-};
-
-std::size_t bytes_of_type(int datatype, const std::string& where) {
+ScalarType scalar_type(int datatype, const std::string& where) {
   switch (datatype) {
     case 2:
-    case 256:
-      return 1;
+      return ScalarType::uint8;
     case 4:
-    case 512:
-      return 2;
+      return ScalarType::int16;
     case 8:
+      return ScalarType::int32;
     case 16:
-    case 768:
-      return 4;
+      return ScalarType::float32;
     case 64:
+      return ScalarType::float64;
+    case 256:
+      return ScalarType::int8;
+    case 512:
+      return ScalarType::uint16;
+    case 768:
+      return ScalarType::uint32;
     case 1024:
+      return ScalarType::int64;
     case 1280:
-      return 8;
+      return ScalarType::uint64;
     default:
       throw InputError(where,
                        "has voxels of NIfTI type " + std::to_string(datatype) + ", which aren't single real numbers",
-                       "export the segmentation as whole numbers");
+                       "export it with one whole number a voxel");
   }
 }
 
@@ -124,7 +71,7 @@ std::array<std::size_t, 3> read_size(const Fields& fields, const std::string& wh
     if (dim(d) > 1)
       throw InputError(
           where, "has " + std::to_string(dim(0)) + " dimensions (" + std::to_string(dim(d)) + " volumes), not three",
-          "export one volume of whole-number labels");
+          "export one volume, with one number a voxel");
   std::array<std::size_t, 3> size{};
   for (std::size_t d = 0; d < 3; ++d) {
     const int n = static_cast<int>(d) < dim(0) ? dim(d + 1) : 1;
@@ -170,19 +117,6 @@ double metres_per_unit(const Fields& fields) {
   }
 }
 
-void check_affine(const Eigen::Affine3d& affine, const std::string& where) {
-  const Eigen::Matrix3d axes = affine.linear();
-  const Eigen::Vector3d lengths = axes.colwise().norm();
-  if (!affine.matrix().allFinite() || lengths.minCoeff() <= 0 || lengths.maxCoeff() > 1)
-    throw InputError(where, "its orientation matrix has axes of no or absurd length",
-                     "export the file again with its orientation");
-  const Eigen::Matrix3d unit = axes * lengths.cwiseInverse().asDiagonal();
-  if (std::abs(unit.determinant()) < 1e-3)
-    throw InputError(where, "its orientation matrix is singular", "export the file again with its orientation");
-  if (((unit.transpose() * unit) - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-3)
-    throw InputError(where, "its voxel axes are sheared, not at right angles", "resample it onto a rectangular grid");
-}
-
 Eigen::Affine3d read_affine(const Fields& fields, const std::string& where) {
   const bool has_sform = fields.at<std::int16_t>(254) > 0, has_qform = fields.at<std::int16_t>(252) > 0;
   if (!has_sform && !has_qform)
@@ -191,47 +125,15 @@ Eigen::Affine3d read_affine(const Fields& fields, const std::string& where) {
                      "export it again with its orientation");
   Eigen::Affine3d affine = has_sform ? sform(fields) : qform(fields);
   affine = Eigen::Scaling(metres_per_unit(fields)) * affine;
-  check_affine(affine, where);
+  check_axes(affine, where);
   return affine;
-}
-
-/// Tells the byte order, and that this is a single-file NIfTI-1 at all.
-bool is_swapped(const std::string& head, const std::string& where) {
-  const std::string advice = "give a NIfTI-1 file (.nii or .nii.gz)";
-  if (head.size() < header_size) throw InputError(where, "is too short to be NIfTI", advice);
-  const auto size = Fields(head, false).at<std::int32_t>(0), turned = Fields(head, true).at<std::int32_t>(0);
-  if (size == 540 || turned == 540) throw InputError(where, "is NIfTI-2", "convert it to NIfTI-1");
-  if (size != header_size && turned != header_size) throw InputError(where, "is not NIfTI", advice);
-  if (head.compare(344, 4, "ni1\0", 4) == 0)
-    throw InputError(where, "is one half of a .hdr/.img pair", "convert the pair to .nii.gz");
-  if (head.compare(344, 4, "n+1\0", 4) != 0) throw InputError(where, "is not NIfTI (no \"n+1\" mark)", advice);
-  return size != header_size;
 }
 
 std::size_t voxel_offset(const Fields& fields, const std::string& where) {
   const float offset = fields.at<float>(108);
   if (!(offset >= 0 && offset <= static_cast<float>(largest_offset)))
     throw InputError(where, "says that its voxels begin at byte " + std::to_string(offset), "export the file again");
-  return std::max<std::size_t>(header_size + 4, static_cast<std::size_t>(offset));
-}
-
-NiftiHeader check_header(const std::string& head, bool swapped, const std::string& where) {
-  const Fields fields(head, swapped);
-  NiftiHeader header;
-  header.grid.size = read_size(fields, where);
-  header.datatype = fields.at<std::int16_t>(70);
-  bytes_of_type(header.datatype, where);
-  const float slope = fields.at<float>(112), intercept = fields.at<float>(116);
-  if (std::isfinite(slope) && slope != 0 && std::isfinite(intercept)) {
-    header.slope = slope;
-    header.intercept = intercept;
-  }
-  header.grid.to_world = read_affine(fields, where);
-  return header;
-}
-
-[[noreturn]] void too_short(const std::string& where) {
-  throw InputError(where, "is truncated: it holds fewer voxels than its header says", "copy or export the file again");
+  return std::max<std::size_t>(nifti_header_size + 4, static_cast<std::size_t>(offset));
 }
 
 void add_name(const pugi::xml_node& node, std::map<Label, std::string>& names, const std::string& where) {
@@ -278,34 +180,33 @@ std::map<Label, std::string> label_names_in_extensions(std::string_view bytes, b
   return names;
 }
 
-NiftiFile read_nifti(const std::filesystem::path& path) {
-  const std::string where = path.string();
-  const std::string file = read_file(path);
-  const bool packed = file.size() >= 2 && file[0] == '\x1f' && file[1] == '\x8b';
-  if (packed != (path.extension() == ".gz"))
-    throw InputError(where, packed ? "is compressed but isn't named .nii.gz" : "is named .gz but isn't compressed",
-                     "rename it");
-  std::optional<Unpacker> unpacker;
-  if (packed) unpacker.emplace(file, where);
-  std::string head = packed ? std::string() : file.substr(0, header_size);
-  if (packed) unpacker->take(header_size, &head);
-  NiftiFile nifti;
-  nifti.swapped = is_swapped(head, where);
-  nifti.header = check_header(head, nifti.swapped, where);
-  const std::size_t offset = voxel_offset(Fields(head, nifti.swapped), where);
-  if (packed)
-    unpacker->take(offset - header_size, &head);
-  else
-    head = file.substr(0, offset);
-  if (head.size() < offset) too_short(where);
-  nifti.header.names = label_names_in_extensions(std::string_view(head).substr(header_size), nifti.swapped, where);
-  const std::size_t body = nifti.header.grid.count() * bytes_of_type(nifti.header.datatype, where);
-  if (packed)
-    unpacker->take(body, &nifti.voxels);
-  else
-    nifti.voxels = file.substr(offset, body);
-  if (nifti.voxels.size() < body || (packed && !unpacker->ends_well())) too_short(where);
-  return nifti;
+bool nifti_is_swapped(std::string_view head, const std::string& where) {
+  const std::string advice = "give a NIfTI-1 file (.nii or .nii.gz)";
+  if (head.size() < nifti_header_size) throw InputError(where, "is too short to be NIfTI", advice);
+  const auto size = Fields(head, false).at<std::int32_t>(0), turned = Fields(head, true).at<std::int32_t>(0);
+  if (size == 540 || turned == 540) throw InputError(where, "is NIfTI-2", "convert it to NIfTI-1");
+  if (size != nifti_header_size && turned != nifti_header_size) throw InputError(where, "is not NIfTI", advice);
+  const std::string_view mark = head.substr(344, 4);
+  if (mark == std::string_view("ni1\0", 4))
+    throw InputError(where, "is one half of a .hdr/.img pair", "convert the pair to .nii.gz");
+  if (mark != std::string_view("n+1\0", 4)) throw InputError(where, "is not NIfTI (no \"n+1\" mark)", advice);
+  return size != nifti_header_size;
+}
+
+NiftiHeader parse_nifti_header(std::string_view head, const std::string& where) {
+  NiftiHeader header;
+  header.stored.swapped = nifti_is_swapped(head, where);
+  const Fields fields(head, header.stored.swapped);
+  header.grid.size = read_size(fields, where);
+  header.stored.type = scalar_type(fields.at<std::int16_t>(70), where);
+  const float slope = fields.at<float>(112), intercept = fields.at<float>(116);
+  if (std::isfinite(slope) && slope != 0 && std::isfinite(intercept)) {
+    header.stored.slope = slope;
+    header.stored.intercept = intercept;
+  }
+  header.grid.to_world = read_affine(fields, where);
+  header.voxel_offset = voxel_offset(fields, where);
+  return header;
 }
 
 }  // namespace calot

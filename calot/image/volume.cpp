@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "calot/base/error.h"
+
 namespace calot {
 namespace {
 
@@ -26,6 +28,19 @@ double corner_distance(const VoxelGrid& a, const Eigen::Affine3d& other) {
 }
 
 }  // namespace
+
+void check_axes(const Eigen::Affine3d& to_world, const std::string& where) {
+  const Eigen::Matrix3d axes = to_world.linear();
+  const Eigen::Vector3d lengths = axes.colwise().norm();
+  if (!to_world.matrix().allFinite() || lengths.minCoeff() <= 0 || lengths.maxCoeff() > 1)
+    throw InputError(where, "its orientation matrix has axes of no or absurd length",
+                     "export the file again with its orientation");
+  const Eigen::Matrix3d unit = axes * lengths.cwiseInverse().asDiagonal();
+  if (std::abs(unit.determinant()) < 1e-3)
+    throw InputError(where, "its orientation matrix is singular", "export the file again with its orientation");
+  if (((unit.transpose() * unit) - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-3)
+    throw InputError(where, "its voxel axes are sheared, not at right angles", "resample it onto a rectangular grid");
+}
 
 std::string grid_difference(const VoxelGrid& a, const VoxelGrid& b) {
   if (a.size != b.size)

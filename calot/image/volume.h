@@ -24,6 +24,10 @@ struct VoxelGrid {
   [[nodiscard]] double voxel_volume() const { return std::abs(to_world.linear().determinant()); }
 };
 
+/// Throws InputError, beginning with `where`, unless the voxel axes are finite, between 0 and 1 m long and at right
+/// angles (to 1e-3).
+void check_axes(const Eigen::Affine3d& to_world, const std::string& where);
+
 /// A CT image.
 struct CtImage {
   VoxelGrid grid;
