@@ -57,6 +57,32 @@ void LabelField::clean() {
       throw InputError("label " + std::to_string(labels_[l]), "has no voxels", "choose labels that the map has");
 }
 
+/// Sets slot_ to 0 where not all voxels within `reach` along each axis belong to one region. One axis after the other:
+/// a voxel's surroundings are uniform if its row's are, and the rows' beside it, and the slices'.
+void LabelField::mark_mixed(std::ptrdiff_t reach) {
+  constexpr std::uint8_t mixed = 255;
+  std::vector<std::uint8_t> uniform = regions_, before;
+  std::ptrdiff_t step = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    before = uniform;
+    const auto length = static_cast<std::ptrdiff_t>(size_[axis]);
+    parallel_blocks(regions_.size(), std::size_t{1} << 16, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const auto at = static_cast<std::ptrdiff_t>(v);
+        const std::ptrdiff_t place = at / step % length;
+        if (place < reach || place + reach >= length) continue;  // padding: outside as far as smoothing reaches
+        std::uint8_t differs = 0;
+        for (std::ptrdiff_t d = -reach; d <= reach; ++d)
+          differs |= static_cast<std::uint8_t>(before[static_cast<std::size_t>(at + d * step)] ^ before[v]);
+        if (differs != 0) uniform[v] = mixed;
+      }
+    });
+    step *= length;
+  }
+  for (std::size_t v = 0; v < regions_.size(); ++v)
+    if (uniform[v] == mixed) slot_[v] = 0;
+}
+
 void LabelField::smooth(double sigma) {
   constexpr std::ptrdiff_t reach = 2;
   std::array<double, 2 * reach + 1> kernel{};
@@ -79,17 +105,7 @@ void LabelField::smooth(double sigma) {
             return;
   };
   slot_.assign(regions_.size(), no_slot);
-  parallel_for(size_[2] - 2 * reach, [&](std::size_t slab) {
-    const std::size_t k = slab + reach;
-    for (std::size_t j = reach; j + reach < size_[1]; ++j)
-      for (std::size_t i = reach; i + reach < size_[0]; ++i) {
-        const std::size_t v = index(i, j, k);
-        visit(v, [&](std::size_t w, double) {
-          if (regions_[w] != regions_[v]) slot_[v] = 0;
-          return slot_[v] == no_slot;
-        });
-      }
-  });
+  mark_mixed(reach);
   std::vector<std::size_t> mixed;
   for (std::size_t v = 0; v < slot_.size(); ++v)
     if (slot_[v] == 0) {
@@ -130,7 +146,7 @@ int LabelField::at(const Vec3& point) const {
                                            base + size_[0] * size_[1] + size_[0] + 1};
   for (const std::size_t v : corners) mixed = mixed || slot_[v] != no_slot;
   if (!mixed) return regions_[base];
-  std::copy(bias_.begin(), bias_.end(), total.begin());
+  std::fill_n(total.begin(), width, 0.0f);
   for (std::size_t c = 0; c < 8; ++c) {
     const float weight =
         (c & 1 ? inside[0] : 1 - inside[0]) * (c & 2 ? inside[1] : 1 - inside[1]) * (c & 4 ? inside[2] : 1 - inside[2]);
@@ -140,8 +156,16 @@ int LabelField::at(const Vec3& point) const {
     else
       for (std::size_t l = 0; l < width; ++l) total[l] += weight * values_[slot * width + l];
   }
-  return static_cast<int>(std::max_element(total.begin(), total.begin() + static_cast<std::ptrdiff_t>(width)) -
-                          total.begin());
+  std::size_t best = 0;
+  float most = -1;
+  for (std::size_t l = 0; l < width; ++l) {
+    constexpr float trace = 0.02f;  // a region can't win where none of it is
+    if (total[l] >= trace && total[l] + bias_[l] > most) {
+      most = total[l] + bias_[l];
+      best = l;
+    }
+  }
+  return static_cast<int>(best);
 }
 
 }  // namespace calot

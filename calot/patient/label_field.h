@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "calot/mesh/tet_mesh.h"
 #include "calot/image/label_map.h"
 #include "calot/image/voxel_parts.h"
+#include "calot/mesh/tet_mesh.h"
 
 namespace calot {
 
@@ -21,7 +21,7 @@ class LabelField {
 
   [[nodiscard]] int at(const Vec3& point) const;
   /// Moves the boundaries of the regions outwards (b > 0) or inwards: added to the region's field before comparing,
-  /// −0.5 … 0.5.
+  /// where there is a trace of the region at all. Differences between neighbours within −0.5 … 0.5.
   void set_bias(std::size_t region, double bias) { bias_[region] = static_cast<float>(bias); }
   [[nodiscard]] double bias(std::size_t region) const { return bias_[region]; }
 
@@ -38,6 +38,7 @@ class LabelField {
  private:
   void crop(const LabelMap& map);
   void clean();
+  void mark_mixed(std::ptrdiff_t reach);
   void smooth(double sigma);
 
   std::vector<Label> labels_;

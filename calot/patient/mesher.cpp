@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "calot/base/error.h"
+#include "calot/mesh/improve.h"
 #include "calot/mesh/parts.h"
 #include "calot/patient/cgal_mesh.h"
 #include "calot/patient/label_field.h"
@@ -23,11 +24,14 @@ std::string text(const char* format, auto... values) {
 
 void check(const MesherOptions& options) {
   if (options.vertices < 50) throw InputError("vertices", "are fewer than 50", "ask for more");
+  if (options.tets != 0 && options.tets < 100) throw InputError("tets", "are fewer than 100", "ask for more");
   if (!(options.tolerance > 0 && options.tolerance < 1)) throw InputError("tolerance", "isn't between 0 and 1");
+  if (!(options.growth > 0)) throw InputError("growth", "isn't positive");
   if (options.tries < 1) throw InputError("tries", "are fewer than 1");
-  for (const Refinement& r : options.refine)
-    if (!(r.edge > 0) || !std::isfinite(r.edge))
-      throw InputError("refine", "an edge length isn't positive", "give millimetres, e.g. 3:1.0");
+  for (const auto* list : {&options.refine, &options.weights})
+    for (const Refinement& r : *list)
+      if (!(r.edge > 0) || !std::isfinite(r.edge))
+        throw InputError("refine", "an edge length isn't positive", "give millimetres, e.g. 3:1.0");
 }
 
 /// Points inside every region, spread over its voxels.
@@ -60,15 +64,14 @@ class Search {
     const double voxel = field_.spacing().prod();
     for (const RegionCleaning& label : field_.cleaning())
       wanted_volume_.push_back(static_cast<double>(label.voxels) * voxel);
-    thickness_ = region_thickness(field_);
-    for (const double thickness : thickness_) base_edge_.push_back(std::sqrt(thickness));
+    extents_ = region_extents(field_);
+    shift_.assign(extents_.size(), 0.0);
+    for (const RegionExtent& extent : extents_) base_edge_.push_back(std::sqrt(extent.thickness()));
     fixed_.assign(base_edge_.size(), false);
+    for (const Refinement& r : options.weights) base_edge_[region_of(r)] = r.edge;
     for (const Refinement& r : options.refine) {
-      const auto at = std::find(options.labels.begin(), options.labels.end(), r.label);
-      if (at == options.labels.end())
-        throw InputError("refine", "label " + std::to_string(r.label) + " isn't meshed", "choose it as well");
-      fixed_[static_cast<std::size_t>(at - options.labels.begin())] = true;
-      base_edge_[static_cast<std::size_t>(at - options.labels.begin())] = r.edge;
+      fixed_[region_of(r)] = true;
+      base_edge_[region_of(r)] = r.edge;
     }
   }
 
@@ -79,36 +82,56 @@ class Search {
 
  private:
   struct Point {
-    double log_factor, log_vertices;
+    double log_factor, log_count;
   };
   struct Candidate {
     TetMesh mesh;
-    double worst_volume = 0, min_dihedral = 0;  // relative; degrees
+    double worst_volume = 0, min_dihedral = 0, max_dihedral = 0;  // relative; degrees
     std::vector<std::string> notes;
   };
+  [[nodiscard]] std::size_t region_of(const Refinement& refinement) const;
   [[nodiscard]] std::vector<double> edges(double factor) const;
   [[nodiscard]] double first_factor() const;
   Candidate attempt(double factor, bool optimise);
   bool shift_boundaries(Candidate& candidate);
+  void set_biases();
   [[nodiscard]] bool better(const Candidate& a, const Candidate& b) const;
   [[noreturn]] void report_failure() const;
   [[nodiscard]] double next_log_factor() const;
   [[nodiscard]] double away_from_earlier(double log_factor) const;
-  [[nodiscard]] bool counts_match(std::size_t vertices, double part) const {
-    const auto wanted = static_cast<double>(options_.vertices);
-    return std::abs(static_cast<double>(vertices) - wanted) <= part * options_.tolerance * wanted;
+  [[nodiscard]] bool sound(const Candidate& c) const {
+    return c.min_dihedral >= options_.min_dihedral && c.max_dihedral <= options_.max_dihedral;
+  }
+  /// What is searched for, and how much of it a mesh has: tets where those are asked for, else vertices.
+  [[nodiscard]] double wanted() const {
+    return static_cast<double>(options_.tets > 0 ? options_.tets : options_.vertices);
+  }
+  [[nodiscard]] double count(const TetMesh& mesh) const {
+    return static_cast<double>(options_.tets > 0 ? mesh.tet_count() : mesh.vertex_count());
+  }
+  [[nodiscard]] bool counts_match(double count, double part) const {
+    return std::abs(count - wanted()) <= part * options_.tolerance * wanted();
   }
 
   const MesherOptions& options_;
   Progress& progress_;
   LabelField field_;
   std::vector<Vec3> seeds_;
-  std::vector<double> wanted_volume_, thickness_, base_edge_;
+  std::vector<double> wanted_volume_, base_edge_;
+  std::vector<double> shift_;  // of each region's boundary, in steps of the smoothed field
+  std::vector<RegionExtent> extents_;
   std::vector<bool> fixed_;
   std::vector<Point> history_;
   std::vector<std::string> notes_;
   int tries_ = 0;
 };
+
+std::size_t Search::region_of(const Refinement& refinement) const {
+  const auto at = std::find(options_.labels.begin(), options_.labels.end(), refinement.label);
+  if (at == options_.labels.end())
+    throw InputError("refine", "label " + std::to_string(refinement.label) + " isn't meshed", "choose it as well");
+  return static_cast<std::size_t>(at - options_.labels.begin());
+}
 
 std::vector<double> Search::edges(double factor) const {
   std::vector<double> result = base_edge_;
@@ -118,18 +141,19 @@ std::vector<double> Search::edges(double factor) const {
 }
 
 double Search::first_factor() const {
+  constexpr double tets_per_vertex = 4.6;
+  const double vertices = wanted() / (options_.tets > 0 ? tets_per_vertex : 1);
   double low = std::log(1e-5), high = std::log(10.0);
   for (int step = 0; step < 50; ++step) {
     const double middle = (low + high) / 2;
-    (estimated_vertices(field_, edges(std::exp(middle))) > static_cast<double>(options_.vertices) ? low : high) =
-        middle;
+    (estimated_vertices(extents_, edges(std::exp(middle))) > vertices ? low : high) = middle;
   }
   return (low + high) / 2;
 }
 
 Search::Candidate Search::attempt(double factor, bool optimise) {
   ++tries_;
-  const SizeField sizes(field_, edges(factor));
+  const SizeField sizes(field_, edges(factor), options_.growth);
   const Vec3 extent = field_.spacing().cwiseProduct(Vec3(static_cast<double>(field_.size()[0] - 1),
                                                          static_cast<double>(field_.size()[1] - 1),
                                                          static_cast<double>(field_.size()[2] - 1)));
@@ -144,7 +168,11 @@ Search::Candidate Search::attempt(double factor, bool optimise) {
   Candidate candidate;
   candidate.mesh = cgal_mesh(problem, optimise);
   candidate.notes = repair_regions(candidate.mesh, field_.labels().size());
-  candidate.min_dihedral = quality(candidate.mesh).min_dihedral;
+  if (optimise)
+    improve(candidate.mesh, {.min_dihedral = options_.min_dihedral + 4, .max_dihedral = options_.max_dihedral - 7});
+  const Quality measured = quality(candidate.mesh);
+  candidate.min_dihedral = measured.min_dihedral;
+  candidate.max_dihedral = measured.max_dihedral;
   return candidate;
 }
 
@@ -158,33 +186,57 @@ bool Search::shift_boundaries(Candidate& candidate) {
   for (std::size_t r = 0; r < volume.size(); ++r) {
     const double lack = (wanted_volume_[r] - volume[r]) / wanted_volume_[r];
     candidate.worst_volume = std::max(candidate.worst_volume, std::abs(lack));
-    if (volume[r] <= 0 || tries_ > options_.tries / 3) continue;  // later, only the vertex count is searched for
+    if (tries_ > 2 * options_.tries / 3) continue;  // later, only the count is searched for
     // Surface = 4 volume / thickness, so the boundary must move by lack · thickness / 4 [voxels], over which the
-    // smoothed field falls by about two thirds; a bias is a difference of two fields, so it counts twice.
-    const double move = lack * thickness_[r] / 4 / field_.spacing().mean();
-    const double before = field_.bias(r + 1), after = std::clamp(before + 1.3 * move, -0.4, 0.5);
-    field_.set_bias(r + 1, after);
-    if (std::abs(lack) > 0.02 && std::abs(after - before) > 0.02) settled = false;
+    // smoothed field falls by about two thirds; a shift is a difference of two fields, so it counts twice.
+    const double move = lack * extents_[r].thickness() / 4 / field_.spacing().mean();
+    const double before = shift_[r];
+    shift_[r] = std::clamp(before + 1.1 * move, -0.4, 0.5);
+    if (std::abs(lack) > 0.02 && std::abs(shift_[r] - before) > 0.02) settled = false;
   }
+  set_biases();
   return settled;
+}
+
+/// A region's shift counts from what surrounds it: on a boundary the smaller region decides, else neighbours would
+/// outbid each other. So a region's bias is its shift on top of the biases of its larger neighbours, by area.
+void Search::set_biases() {
+  std::vector<std::size_t> order(shift_.size());
+  for (std::size_t r = 0; r < order.size(); ++r) order[r] = r;
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return extents_[a].volume > extents_[b].volume; });
+  std::vector<double> bias(shift_.size() + 1, 0.0);
+  std::vector<std::uint8_t> larger(shift_.size() + 1, 0);
+  larger[0] = 1;  // the outside
+  for (const std::size_t r : order) {
+    double sum = 0, area = 0;
+    for (std::size_t s = 0; s < larger.size(); ++s)
+      if (larger[s] != 0) {
+        sum += extents_[r].contact[s] * bias[s];
+        area += extents_[r].contact[s];
+      }
+    bias[r + 1] = (area > 0 ? sum / area : 0) + shift_[r];
+    larger[r + 1] = 1;
+    field_.set_bias(r + 1, bias[r + 1]);
+  }
 }
 
 /// Regula falsi while the goal is bracketed, extrapolation along the last slope before.
 double Search::next_log_factor() const {
-  const double goal = std::log(static_cast<double>(options_.vertices));
+  const double goal = std::log(wanted());
   const Point& last = history_.back();
   std::optional<Point> fine,
       coarse;  // nearest to the goal from above and from below; late ones know the boundaries better
   for (const Point& p : history_) {
-    if (p.log_vertices >= goal && (!fine || p.log_vertices <= fine->log_vertices)) fine = p;
-    if (p.log_vertices < goal && (!coarse || p.log_vertices >= coarse->log_vertices)) coarse = p;
+    if (p.log_count >= goal && (!fine || p.log_count <= fine->log_count)) fine = p;
+    if (p.log_count < goal && (!coarse || p.log_count >= coarse->log_count)) coarse = p;
   }
   if (fine && coarse && fine->log_factor < coarse->log_factor) {
-    const double part = (fine->log_vertices - goal) / (fine->log_vertices - coarse->log_vertices);
+    const double part = (fine->log_count - goal) / (fine->log_count - coarse->log_count);
     return fine->log_factor + std::clamp(part, 0.1, 0.9) * (coarse->log_factor - fine->log_factor);
   }
   constexpr double usual_slope = -2.3;  // between surface and volume
-  return last.log_factor + std::clamp((goal - last.log_vertices) / usual_slope, -0.7, 0.5);
+  return last.log_factor + std::clamp((goal - last.log_count) / usual_slope, -0.7, 0.5);
 }
 
 /// Counts jump by several per cent between neighbouring sizes, so a size that was tried already is worth no second try:
@@ -197,22 +249,24 @@ double Search::away_from_earlier(double log_factor) const {
 
 /// Better meshes are those with the wanted angles, and of these the ones with the right volumes.
 bool Search::better(const Candidate& a, const Candidate& b) const {
-  const bool a_sound = a.min_dihedral >= options_.min_dihedral, b_sound = b.min_dihedral >= options_.min_dihedral;
+  const bool a_sound = sound(a), b_sound = sound(b);
   if (a_sound != b_sound) return a_sound;
-  return a_sound ? a.worst_volume < b.worst_volume : a.min_dihedral > b.min_dihedral;
+  const auto slack = [](const Candidate& c) { return std::min(c.min_dihedral, 180 - c.max_dihedral); };
+  return a_sound ? a.worst_volume < b.worst_volume : slack(a) > slack(b);
 }
 
 void Search::report_failure() const {
   const Point* nearest = &history_.front();
-  const double goal = std::log(static_cast<double>(options_.vertices));
+  const double goal = std::log(wanted());
   for (const Point& p : history_)
-    if (std::abs(p.log_vertices - goal) < std::abs(nearest->log_vertices - goal)) nearest = &p;
-  const double vertices = std::round(std::exp(nearest->log_vertices));
+    if (std::abs(p.log_count - goal) < std::abs(nearest->log_count - goal)) nearest = &p;
+  const double reached = std::round(std::exp(nearest->log_count));
+  const char* const what = options_.tets > 0 ? "tetrahedra" : "vertices";
   throw FailedError(
-      "mesh", text("no mesh with %zu vertices in %d tries; the nearest had %.0f", options_.vertices, tries_, vertices),
-      vertices > static_cast<double>(options_.vertices)
-          ? "ask for more vertices, coarser refinement or fewer labels: thin regions need a least number"
-          : "ask for fewer vertices");
+      "mesh", text("no mesh with %.0f %s in %d tries; the nearest had %.0f", wanted(), what, tries_, reached),
+      reached > wanted()
+          ? text("ask for more %s, coarser refinement or fewer labels: thin regions need a least number", what)
+          : text("ask for fewer %s", what));
 }
 
 TetMesh Search::run() {
@@ -222,15 +276,15 @@ TetMesh Search::run() {
   while (tries_ < options_.tries) {
     progress_.at(static_cast<double>(tries_) / options_.tries);
     Candidate candidate = attempt(std::exp(log_factor), near);
-    const std::size_t vertices = candidate.mesh.vertex_count();
+    const double reached = count(candidate.mesh);
     const bool settled = shift_boundaries(candidate);
     const bool closed = check_manifold(boundary_surface(candidate.mesh)).closed_manifold();
-    history_.push_back({log_factor, std::log(static_cast<double>(std::max<std::size_t>(vertices, 1)))});
-    const bool usable = near && closed && counts_match(vertices, 1);
-    const bool good = settled && candidate.min_dihedral >= options_.min_dihedral;
+    history_.push_back({log_factor, std::log(std::max(reached, 1.0))});
+    const bool usable = near && closed && counts_match(reached, 1);
+    const bool good = (settled || candidate.worst_volume <= 0.02) && sound(candidate);
     if (usable && (!best || better(candidate, *best))) best = std::move(candidate);
     if (usable && good) break;
-    near = counts_match(vertices, 3);  // slivers are worth removing only then
+    near = counts_match(reached, 3);  // slivers are worth removing only then
     log_factor = away_from_earlier(next_log_factor());
   }
   if (!best) report_failure();

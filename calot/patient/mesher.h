@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "calot/base/progress.h"
+#include "calot/image/label_map.h"
 #include "calot/mesh/quality.h"
 #include "calot/mesh/surface.h"
 #include "calot/mesh/tet_mesh.h"
-#include "calot/image/label_map.h"
 
 namespace calot {
 
@@ -22,12 +22,13 @@ struct MesherOptions {
   std::size_t vertices = 2442;  ///< to be met within `tolerance`, ≥ 50
   std::size_t tets = 0;         ///< to be met instead, where not 0; ≥ 100
   double tolerance = 0.03;
-  std::vector<Refinement> refine;  ///< the other regions' sizes give way to meet `vertices`
+  std::vector<Refinement> refine;   ///< the other regions' sizes give way to meet `vertices`
   std::vector<Refinement> weights;  ///< edges [m] that are scaled together to meet the count; others: √thickness
-  double smoothing = 0.5;          ///< σ of the Gaussian on the labels, in voxels, 0 … 2
-  double min_dihedral = 12;        ///< wanted [°]; a mesh below it is returned only if no try was better
+  double growth = 0.4;              ///< of edge lengths, per distance from smaller ones; > 0
+  double smoothing = 0.5;           ///< σ of the Gaussian on the labels, in voxels, 0 … 2
+  double min_dihedral = 12;         ///< wanted [°]; a mesh below it is returned only if no try was better
   double max_dihedral = 165;        ///< likewise [°]
-  int tries = 16;                  ///< bound on meshes made in the search, ≥ 1
+  int tries = 16;                   ///< bound on meshes made in the search, ≥ 1
 };
 
 /// What became of one label.
