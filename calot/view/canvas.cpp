@@ -7,6 +7,13 @@
 
 namespace calot::detail {
 
+Vec3 paper(Background background) {
+  return background == Background::white ? Vec3{1, 1, 1} : Vec3{0.075, 0.085, 0.105};
+}
+Vec3 ink(Background background) {
+  return background == Background::white ? Vec3{0.13, 0.15, 0.18} : Vec3{0.90, 0.91, 0.93};
+}
+
 void Canvas::blend(int x, int y, double amount, const Vec3& color) {
   if (x < 0 || y < 0 || x >= image_.width || y >= image_.height || amount <= 0) return;
   std::uint8_t* pixel = &image_.rgb[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) +

@@ -6,6 +6,10 @@
 
 namespace calot::detail {
 
+/// The colours of the ground and of what is written on it, sRGB.
+Vec3 paper(Background background);
+Vec3 ink(Background background);
+
 /// Lines, boxes and words, with smooth edges, in sRGB. Coordinates are pixels, y down.
 class Canvas {
  public:

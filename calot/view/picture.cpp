@@ -17,6 +17,8 @@ namespace {
 using detail::Camera;
 using detail::Canvas;
 using detail::Film;
+using detail::ink;
+using detail::paper;
 using detail::Scene;
 using detail::Viewport;
 
@@ -27,13 +29,6 @@ struct Layout {
 };
 
 const char* const legend_gap = "  ";
-
-Vec3 paper(Background background) {
-  return background == Background::white ? Vec3{1, 1, 1} : Vec3{0.075, 0.085, 0.105};
-}
-Vec3 ink(Background background) {
-  return background == Background::white ? Vec3{0.13, 0.15, 0.18} : Vec3{0.90, 0.91, 0.93};
-}
 
 bool has_legend(const std::vector<PictureItem>& items) {
   return std::any_of(items.begin(), items.end(), [](const PictureItem& item) { return !item.label.empty(); });
