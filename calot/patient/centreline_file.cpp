@@ -5,14 +5,16 @@
 
 #include "calot/base/files.h"
 
+// Reading is in centreline_read.cpp.
+
 namespace calot {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Millimetres, to the micrometre: what a person reads and a diff shows.
+/// Millimetres, to the nanometre, so that reading gives the same line and a person can still read it.
 double in_mm(double metres) {
-  return std::round(metres * 1e6) / 1e3;
+  return std::round(metres * 1e9) / 1e6;
 }
 
 Json control_points(const Centreline& line) {
@@ -51,7 +53,7 @@ void write_markups(const std::filesystem::path& path, const std::vector<Centreli
              "markups-schema-v1.0.3.json#"},
             {"markups", Json::array()}};
   for (const Centreline& line : lines) file["markups"].push_back(curve(line));
-  write_file(path, [&](std::ostream& out) { out << file.dump(1) << '\n'; });
+  write_file(path, [&](std::ostream& out) { out << file.dump(1, ' ', false, Json::error_handler_t::replace) << '\n'; });
 }
 
 }  // namespace calot
