@@ -7,6 +7,7 @@ namespace calot {
 
 void add_phantom_command(CLI::App& app);     // phantom_command.cpp
 void add_mesh_command(CLI::App& app);        // mesh_command.cpp
+void add_patient_command(CLI::App& app);     // patient_command.cpp
 void add_precompute_command(CLI::App& app);  // precompute_command.cpp
 void add_cut_command(CLI::App& app);         // cut_command.cpp
 void add_solve_command(CLI::App& app);       // solve_command.cpp

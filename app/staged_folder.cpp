@@ -56,6 +56,7 @@ void StagedFolder::commit(const std::vector<std::string>& files) {
     if (code) throw FailedError(target_.string(), "can't be written: " + code.message(), "check the folder");
   } else {
     for (const std::string& file : files) {
+      fs::create_directories((target_ / file).parent_path(), code);  // the rename says what is wrong
       fs::rename(folder_ / file, target_ / file, code);
       if (code) throw FailedError((target_ / file).string(), "can't be written: " + code.message(), "check the folder");
     }

@@ -11,6 +11,7 @@
 #include <CGAL/exude_mesh_3.h>
 #include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
+#include <CGAL/version_macros.h>
 
 #include <algorithm>
 #include <unordered_map>
@@ -84,6 +85,10 @@ TetMesh to_mesh(const Complex& complex) {
 }
 
 }  // namespace
+
+std::string cgal_version() {
+  return CGAL_VERSION_STR;
+}
 
 TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise) {
   CGAL::set_warning_handler([](const char*, const char*, const char*, int, const char*) {});  // its text goes to stderr

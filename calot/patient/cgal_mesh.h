@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "calot/mesh/tet_mesh.h"
@@ -21,5 +22,8 @@ struct MeshingProblem {
 /// problem gives the same mesh. Tets are positively oriented; regions as in the problem. Source: [Jamin2015] CGALmesh;
 /// CGAL 5.5, 3D Mesh Generation.
 TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise);
+
+/// CGAL's version, "5.5.1".
+std::string cgal_version();
 
 }  // namespace calot

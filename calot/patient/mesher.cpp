@@ -340,4 +340,9 @@ LabelMesh mesh_labels(const LabelMap& map, const MesherOptions& asked, Progress&
   return result;
 }
 
+std::map<std::string, std::string> mesher_versions() {
+  return {{"CGAL", cgal_version()},
+          {"Eigen", text("%d.%d.%d", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)}};
+}
+
 }  // namespace calot

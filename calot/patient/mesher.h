@@ -1,5 +1,6 @@
 // A label map becomes one conforming tetrahedral mesh.
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
@@ -57,5 +58,8 @@ struct LabelMesh {
 /// of range; FailedError: no mesh met the vertex count and the manifold condition within `tries`, saying how near it
 /// came.
 LabelMesh mesh_labels(const LabelMap& map, const MesherOptions& options, Progress& progress);
+
+/// Names and versions of the libraries behind the mesher, for provenance.
+std::map<std::string, std::string> mesher_versions();
 
 }  // namespace calot
