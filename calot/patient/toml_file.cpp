@@ -219,7 +219,9 @@ std::string toml_mm(double metres) {
 }
 
 std::string toml_mm(const Vec3& metres) {
-  return "[" + toml_mm(metres[0]) + ", " + toml_mm(metres[1]) + ", " + toml_mm(metres[2]) + "]";
+  std::string out = "[";
+  for (int axis = 0; axis < 3; ++axis) out += (axis == 0 ? "" : ", ") + toml_mm(metres[axis]);
+  return out + "]";
 }
 
 }  // namespace calot::detail
