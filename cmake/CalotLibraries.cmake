@@ -21,13 +21,28 @@ macro(calot_find_blas_and_cholmod)
   calot_find_library(calot_openblas openblas_config.h openblas SUFFIXES openblas-pthread openblas)
 endmacro()
 
-# ITK reads medical images. Its package file fills variables (and overwrites HDF5's), so it is kept in a function and the
+# What decodes compressed DICOM: OpenJPEG (JPEG 2000), and GDCM (JPEG, JPEG-LS), which comes with ITK.
+function(calot_find_dicom_codecs)
+  if(TARGET calot_dicom_codecs)
+    return()
+  endif()
+  calot_find_library(calot_openjpeg openjpeg.h openjp2 SUFFIXES openjpeg-2.5)
+  add_library(calot_dicom_codecs INTERFACE IMPORTED GLOBAL)
+  target_link_libraries(calot_dicom_codecs INTERFACE calot_openjpeg)
+  foreach(part MSFF DSED DICT Common)
+    calot_find_library(calot_gdcm_${part} gdcmReader.h gdcm${part} SUFFIXES gdcm-3.0)
+    target_link_libraries(calot_dicom_codecs INTERFACE calot_gdcm_${part})
+  endforeach()
+endfunction()
+
+# ITK is the judge of images in the tests. Its package file fills variables (and overwrites HDF5's), so it is kept in a function and the
 # parts we use become one target of ours. Debian's file also looks for the programs of libgdcm-tools and libvtkgdcm-tools.
 function(calot_find_itk)
+  calot_find_dicom_codecs()
   if(TARGET calot_itk)
     return()
   endif()
-  find_package(ITK 5.2 REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIONIFTI)
+  find_package(ITK 5.2 REQUIRED COMPONENTS ITKCommon ITKIOImageBase ITKIONIFTI ITKIONRRD ITKIOGDCM)
   add_library(calot_itk INTERFACE IMPORTED GLOBAL)
   target_include_directories(calot_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
   target_link_libraries(calot_itk INTERFACE ${ITK_LIBRARIES})

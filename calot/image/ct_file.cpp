@@ -1,0 +1,98 @@
+#include "calot/image/ct_file.h"
+
+#include <algorithm>
+
+#include "calot/base/error.h"
+#include "calot/base/memory.h"
+#include "calot/image/dicom_series.h"
+#include "calot/image/nifti.h"
+#include "calot/image/nrrd.h"
+#include "calot/image/text.h"
+
+namespace calot {
+namespace fs = std::filesystem;
+namespace {
+
+CtFile read_nifti_ct(const fs::path& path, Progress& progress) {
+  progress.phase("reading the CT");
+  ByteSource source(path);
+  const NiftiHeader header = read_nifti_header(source);
+  NumberReader numbers(source, header.stored, header.grid.count());
+  return {{header.grid, read_hounsfield(numbers, progress)}, "NIfTI", {path.string()}, {}};
+}
+
+CtFile read_nrrd_ct(const fs::path& path, Progress& progress) {
+  progress.phase("reading the CT");
+  NrrdFile file = open_nrrd(path);
+  if (file.header.components != 1)
+    throw InputError(path.string(), "has " + std::to_string(file.header.components) + " numbers a voxel, not one",
+                     "export one volume of Hounsfield units");
+  NumberReader numbers(*file.source, file.header.stored, file.header.grid.count());
+  CtFile ct{{file.header.grid, read_hounsfield(numbers, progress)}, "NRRD", {path.string()}, {}};
+  if (file.data != path) ct.inputs.push_back(file.data.string());
+  return ct;
+}
+
+CtFile read_series(DicomSeries series, const std::string& where, std::vector<std::string> notes, Progress& progress) {
+  CtFile file;
+  file.format = "DICOM";
+  file.notes = std::move(notes);
+  file.ct.grid = order_slices(series, where, file.notes);
+  require_memory(file.ct.grid.count() * sizeof(std::int16_t), "the CT's voxels");
+  progress.phase("reading DICOM slices");
+  file.ct.hounsfield.resize(file.ct.grid.count());
+  const std::size_t slice_voxels = file.ct.grid.size[0] * file.ct.grid.size[1];
+  for (std::size_t k = 0; k < series.slices.size(); ++k) {
+    read_dicom_pixels(series.slices[k], file.ct.hounsfield.data() + k * slice_voxels);
+    file.inputs.push_back(series.slices[k].path.string());
+    progress.at(static_cast<double>(k + 1) / static_cast<double>(series.slices.size()));
+  }
+  return file;
+}
+
+CtFile read_dicom_folder(const fs::path& folder, bool deep, Progress& progress, const std::string& wanted) {
+  std::vector<std::string> notes;
+  auto all = find_series(folder, deep, progress, notes);
+  DicomSeries series = choose_series(std::move(all), folder.string(), wanted, notes);
+  return read_series(std::move(series), folder.string(), std::move(notes), progress);
+}
+
+CtFile read_dicom_file(const fs::path& path, Progress& progress, const std::string& wanted) {
+  ByteSource there(path);  // says so where it is missing or can't be opened
+  const auto slice = read_dicom_header(path);
+  if (!slice)
+    throw InputError(path.string(), "is no CT image that can be read",
+                     "give a folder of DICOM files, .nii, .nii.gz, .nrrd or .nhdr");
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return read_dicom_folder(folder, false, progress, wanted.empty() ? slice->series_uid : wanted);
+}
+
+void check_values(const CtFile& file, const std::string& where) {
+  const auto [low, high] = std::minmax_element(file.ct.hounsfield.begin(), file.ct.hounsfield.end());
+  const std::string advice = "give a CT in Hounsfield units (air about -1000, water 0)";
+  if (*low == *high) throw InputError(where, "every voxel has the same value, " + std::to_string(*low), advice);
+  if (*low >= -200 || *high <= 0)
+    throw InputError(
+        where, "its values from " + std::to_string(*low) + " to " + std::to_string(*high) + " are no HU of a body",
+        advice);
+}
+
+CtFile read_any(const fs::path& path, Progress& progress, const std::string& series) {
+  std::error_code code;
+  if (fs::is_directory(path, code)) return read_dicom_folder(path, true, progress, series);
+  const std::string name = path.filename().string();
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return read_nifti_ct(path, progress);
+  if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return read_nrrd_ct(path, progress);
+  return read_dicom_file(path, progress, series);
+}
+
+}  // namespace
+
+CtFile read_ct(const fs::path& path, Progress& progress, const std::string& series) {
+  CtFile file = read_any(path, progress, series);
+  check_values(file, path.string());
+  std::sort(file.inputs.begin(), file.inputs.end());
+  return file;
+}
+
+}  // namespace calot
