@@ -8,8 +8,6 @@
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
 #include <CGAL/assertions_behaviour.h>
-#include <CGAL/exude_mesh_3.h>
-#include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
 #include <CGAL/version_macros.h>
 
@@ -90,7 +88,7 @@ std::string cgal_version() {
   return CGAL_VERSION_STR;
 }
 
-TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise) {
+TetMesh cgal_mesh(const MeshingProblem& problem) {
   CGAL::set_warning_handler([](const char*, const char*, const char*, int, const char*) {});  // its text goes to stderr
   CGAL::get_default_random() =
       CGAL::Random(0);  // CGAL draws from one generator per thread, which remembers earlier calls
@@ -107,10 +105,6 @@ TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise) {
   if (complex.triangulation().dimension() != 3) throw FailedError("mesh", "the regions are too small to be meshed");
   CGAL::refine_mesh_3(complex, domain, criteria, CGAL::parameters::no_reset_c3t3(), CGAL::parameters::no_perturb(),
                       CGAL::parameters::no_exude());
-  if (optimise) {
-    CGAL::perturb_mesh_3(complex, domain, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 13);
-    CGAL::exude_mesh_3(complex, CGAL::parameters::time_limit = 0, CGAL::parameters::sliver_bound = 13);
-  }
   return to_mesh(complex);
 }
 

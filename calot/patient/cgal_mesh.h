@@ -17,11 +17,10 @@ struct MeshingProblem {
   std::vector<Vec3> seeds;                  ///< points inside the regions; every region needs some, thin ones too
 };
 
-/// Meshes the regions conformingly by Delaunay refinement; where `optimise`, slivers are then removed by perturbing
-/// vertices and exuding (both without a time limit, so that the result never depends on the machine's load). The same
+/// Meshes the regions conformingly by Delaunay refinement. Slivers are left in (mesh/improve.h removes them). The same
 /// problem gives the same mesh. Tets are positively oriented; regions as in the problem. Source: [Jamin2015] CGALmesh;
 /// CGAL 5.5, 3D Mesh Generation.
-TetMesh cgal_mesh(const MeshingProblem& problem, bool optimise);
+TetMesh cgal_mesh(const MeshingProblem& problem);
 
 /// CGAL's version, "5.5.1".
 std::string cgal_version();

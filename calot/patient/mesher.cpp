@@ -92,7 +92,7 @@ class Search {
   [[nodiscard]] std::size_t region_of(const Refinement& refinement) const;
   [[nodiscard]] std::vector<double> edges(double factor) const;
   [[nodiscard]] double first_factor() const;
-  Candidate attempt(double factor, bool optimise);
+  Candidate attempt(double factor, bool mend);
   bool shift_boundaries(Candidate& candidate);
   void set_biases();
   [[nodiscard]] bool better(const Candidate& a, const Candidate& b) const;
@@ -151,7 +151,7 @@ double Search::first_factor() const {
   return (low + high) / 2;
 }
 
-Search::Candidate Search::attempt(double factor, bool optimise) {
+Search::Candidate Search::attempt(double factor, bool mend) {
   ++tries_;
   const SizeField sizes(field_, edges(factor), options_.growth);
   const Vec3 extent = field_.spacing().cwiseProduct(Vec3(static_cast<double>(field_.size()[0] - 1),
@@ -166,9 +166,9 @@ Search::Candidate Search::attempt(double factor, bool optimise) {
   problem.box = Eigen::AlignedBox3d(Vec3::Zero(), extent);
   problem.seeds = seeds_;
   Candidate candidate;
-  candidate.mesh = cgal_mesh(problem, optimise);
+  candidate.mesh = cgal_mesh(problem);
   candidate.notes = repair_regions(candidate.mesh, field_.labels().size());
-  if (optimise)
+  if (mend)
     improve(candidate.mesh, {.min_dihedral = options_.min_dihedral + 4, .max_dihedral = options_.max_dihedral - 7});
   const Quality measured = quality(candidate.mesh);
   candidate.min_dihedral = measured.min_dihedral;
