@@ -32,7 +32,7 @@ struct PhantomOptions {
   double voxel = 0.7e-3;  ///< edge of the (cubic) voxels [m], 0.3e-3 … 1.0e-3
   /// A whole abdominal CT of so many voxels over the torso (columns, rows, slices), instead of cubic voxels close around
   /// the liver.
-  std::optional<std::array<std::size_t, 3>> matrix;
+  std::optional<std::array<std::size_t, 3>> matrix = {};
 };
 
 /// What was drawn by the seed: lengths [m], volumes [m³]. Ranges and sources: docs/patient.md. 0 where it isn't there.
