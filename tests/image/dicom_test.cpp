@@ -8,34 +8,17 @@
 
 #include "calot/image/ct_file.h"
 #include "tests/image/dicom_fixture.h"
+#include "tests/image/hu_field.h"
 
 namespace calot {
 namespace {
 
+using test::expect_in_place;
 using test::run_python;
 using test::TempFolder;
 using test::write_series;
 
 Progress silent;
-
-/// What hu() of the fixture gives at a place in RAS metres.
-double hu_at(const Eigen::Vector3d& ras) {
-  const double x = -1e3 * ras[0], y = -1e3 * ras[1], z = 1e3 * ras[2];
-  return std::nearbyint(400 * std::sin(0.9 * x + 0.3) + 300 * std::cos(0.7 * y) + 250 * std::sin(0.8 * z) - 50);
-}
-
-/// Every voxel's value against the function of its place.
-void expect_in_place(const CtFile& file, const std::string& what) {
-  const VoxelGrid& grid = file.ct.grid;
-  std::size_t wrong = 0;
-  for (std::size_t k = 0; k < grid.size[2]; ++k)
-    for (std::size_t j = 0; j < grid.size[1]; ++j)
-      for (std::size_t i = 0; i < grid.size[0]; ++i) {
-        const Eigen::Vector3d index(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
-        wrong += std::abs(file.ct.hounsfield[grid.index(i, j, k)] - hu_at(grid.to_world * index)) > 1.01;
-      }
-  EXPECT_EQ(wrong, 0u) << what;
-}
 
 bool has_note(const std::vector<std::string>& notes, const std::string& part) {
   return std::any_of(notes.begin(), notes.end(), [&](const auto& n) { return n.find(part) != std::string::npos; });
@@ -69,7 +52,7 @@ report.save_as('ct/DICOMDIR', write_like_original=False)
   EXPECT_EQ(file.ct.grid.size, (std::array<std::size_t, 3>{6, 5, 4}));
   EXPECT_LT((file.ct.grid.spacing() - Eigen::Vector3d(1.5e-3, 2e-3, 3e-3)).norm(), 1e-12);
   EXPECT_LT((file.ct.grid.to_world.translation() - Eigen::Vector3d(0.01, 0.02, 0.03)).norm(), 1e-12);
-  expect_in_place(file, "axial");
+  expect_in_place(file.ct, "axial");
   EXPECT_EQ(file.inputs, (std::vector<std::string>{(folder / "ct/IM0007").string(), (folder / "ct/a.dcm").string(),
                                                    (folder / "ct/b").string(), (folder / "ct/zz").string()}));
   EXPECT_TRUE(has_note(file.notes, "3 files passed over"));
@@ -99,7 +82,7 @@ for n in range(4):
     ++folders;
     const CtFile file = read_ct(entry.path(), silent);
     EXPECT_EQ(file.ct.grid.size, (std::array<std::size_t, 3>{6, 5, 4}));
-    expect_in_place(file, entry.path().filename().string());
+    expect_in_place(file.ct, entry.path().filename().string());
   }
   EXPECT_EQ(folders, 28);
 }
@@ -183,7 +166,7 @@ series('overlay', bits=(16, 12, 0), shift=(1, -1024), change=overlay, **big)
       }
     }
   const CtFile plain = read_ct(folder / "plain", silent);
-  expect_in_place(plain, "plain");
+  expect_in_place(plain.ct, "plain");
   int kinds = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
     const std::string name = entry.path().filename().string();
@@ -248,7 +231,7 @@ series('ct', name=lambda k: f'scout{k}', size=(9, 8, 1), change=scout)
 series('ct', name=lambda k: f'copy{k}', size=(6, 5, 2))
 )");
   const CtFile file = read_ct(folder / "ct", silent);
-  expect_in_place(file, "with extras");
+  expect_in_place(file.ct, "with extras");
   EXPECT_EQ(file.ct.grid.size[2], 4u);
   EXPECT_TRUE(has_note(file.notes, "1 scout view left out"));
   EXPECT_TRUE(has_note(file.notes, "2 slices left out that came twice"));
