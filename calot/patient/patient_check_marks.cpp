@@ -19,10 +19,14 @@ constexpr double ports_apart = 20 * mm;         // nearer, the handles collide o
 constexpr double sight_slack = 10 * mm;         // what is nearer to the triangle than this belongs to it
 const std::string in_metres = "it looks like metres: write millimetres";
 
+bool at_origin(const Vec3& place) {
+  return place.cwiseAbs().maxCoeff() < 1 * mm;
+}
+
 /// A place written in metres by mistake: within a millimetre of the origin, but sensible when taken times 1000.
 template <class Sensible>
 bool looks_like_metres(const Vec3& place, const Sensible& sensible) {
-  return place.cwiseAbs().maxCoeff() < 1 * mm && !sensible(place) && sensible(Vec3(place * 1e3));
+  return at_origin(place) && sensible(Vec3(place * 1e3));
 }
 
 class MarkCheck {
