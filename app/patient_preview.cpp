@@ -113,9 +113,9 @@ void Scenery::add_organs(const Patient& patient) {
 
 void Scenery::add_marks(const Landmarks& landmarks) {
   for (const TubeSite& clip : landmarks.clips)
-    add(marks_, ball_surface(std::array{clip.position}, clip.radius + 0.5 * mm), clip_color);
+    add(marks_, ball_surface(std::array{clip.position}, clip.radius + 0.8 * mm), clip_color);
   for (const TubeSite& cut : landmarks.cuts)
-    add(marks_, ball_surface(std::array{cut.position}, cut.radius + 0.4 * mm), cut_color);
+    add(marks_, ball_surface(std::array{cut.position}, cut.radius + 0.7 * mm), cut_color);
   const CalotTriangle& t = landmarks.triangle;
   std::vector<Vec3> dots;
   for (const auto& [from, to] : {std::pair{t.duct_corner, t.neck_corner}, std::pair{t.neck_corner, t.liver_corner},

@@ -49,26 +49,28 @@ AbdominalWall::AbdominalWall(const CompletedAnatomy& anatomy, const Vec3& bile_d
   spread_correction();
 }
 
-/// The body's sides, where the field holds both; else the vertebral column; else the usual distance from the bile duct.
+/// The vertebral column, where the field holds it; else the body's sides; else the usual distance from the bile duct.
 void AbdominalWall::find_midline(const BodyScan& scan, const Vec3& bile_duct, std::vector<std::string>& notes) {
   const BodyScan::Sides sides = scan.sides();
-  if (sides.middle) {
-    midline_ = *sides.middle;
-    half_width_ = std::max(*sides.half_width - usual_thickness, scan.organs_right() - midline_ + clearance);
-    return;
-  }
-  if (const std::optional<double> spine = scan.spine(bile_duct)) {
-    midline_ = *spine;
-    notes.emplace_back("the CT doesn't hold both sides of the body: its midline is that of the vertebral column");
+  const std::optional<double> spine = scan.spine(bile_duct);
+  if (spine || sides.middle) {
+    midline_ = spine ? *spine : *sides.middle;
   } else {
     midline_ = bile_duct[0] - duct_from_midline;
-    notes.push_back(
-        text("the CT holds neither both sides of the body nor the vertebral column: the midline is assumed "
-             "%.0f mm to the left of the bile duct",
-             duct_from_midline / mm));
+    notes.push_back(text(
+        "the CT holds neither the vertebral column nor both sides of the body: the midline is assumed %.0f mm to the "
+        "left of the bile duct",
+        duct_from_midline / mm));
   }
-  half_width_ = std::max(sides.right ? *sides.right - usual_thickness - midline_ : usual_half_width,
-                         scan.organs_right() - midline_ + clearance);
+  half_width_ = usual_half_width;
+  if (sides.half_width)
+    half_width_ = *sides.half_width - usual_thickness;
+  else if (sides.right)
+    half_width_ = *sides.right - usual_thickness - midline_;
+  else
+    notes.push_back(
+        text("the CT doesn't hold the body's sides: the cavity is assumed %.0f mm wide", 2 * half_width_ / mm));
+  half_width_ = std::max(half_width_, scan.organs_right() - midline_ + clearance);
 }
 
 /// From the front: the first body cell behind air, and the first organ.

@@ -83,25 +83,34 @@ void BodyScan::flood() {
   }
 }
 
+/// Whether a border column of the field lies outside of the body in this slice: air in most rows. Less is gas in a
+/// bowel that the border cuts.
+bool BodyScan::mostly_air(std::size_t i, std::size_t k) const {
+  std::size_t in_field = 0, in_air = 0;
+  for (std::size_t j = 0; j < size[1]; ++j) {
+    in_field += kind[index(i, j, k)] != outside_field;
+    in_air += kind[index(i, j, k)] == air;
+  }
+  return 10 * in_air > 7 * in_field && in_field > 0;
+}
+
 BodyScan::Sides BodyScan::sides() const {
   std::vector<double> middles, widths, rights;
   for (std::size_t k = 0; k < size[2]; ++k) {
-    double widest = 150 * mm, middle = 0, right = -1e9;
-    for (std::size_t j = 0; j < size[1]; ++j) {
-      const auto is_body = [&](std::size_t i) { return kind[index(i, j, k)] == body; };
-      const auto is_air = [&](std::size_t i) { return kind[index(i, j, k)] == air; };
-      std::size_t first = 0, last = size[0];
-      while (first < last && !is_body(first)) ++first;
-      while (last > first && !is_body(last - 1)) --last;
-      if (first == last || last == size[0] || !is_air(last)) continue;
-      right = std::max(right, at(0, last - 1));
-      const double wide = at(0, last - 1) - at(0, first);
-      if (first == 0 || !is_air(first - 1) || wide <= widest) continue;
-      widest = wide;
-      middle = (at(0, first) + at(0, last - 1)) / 2;
-    }
-    if (widest > 150 * mm) middles.push_back(middle), widths.push_back(widest);
-    if (right > -1e9) rights.push_back(right);
+    const bool left_seen = mostly_air(0, k), right_seen = mostly_air(size[0] - 1, k);
+    if (!right_seen) continue;
+    double left = 1e9, right = -1e9;
+    for (std::size_t j = 0; j < size[1]; ++j)
+      for (std::size_t i = 0; i < size[0]; ++i) {
+        if (kind[index(i, j, k)] != body) continue;
+        left = std::min(left, at(0, i));
+        right = std::max(right, at(0, i));
+      }
+    if (right < left) continue;
+    rights.push_back(right);
+    if (!left_seen) continue;
+    middles.push_back((left + right) / 2);
+    widths.push_back(right - left);
   }
   Sides result;
   if (4 * middles.size() > size[2]) result.middle = median(middles), result.half_width = median(widths) / 2;

@@ -27,7 +27,7 @@ struct BodyScan {
   }
   [[nodiscard]] double at(int axis, std::size_t i) const { return origin[axis] + cell * static_cast<double>(i); }
 
-  /// The body's right side and its middle, as medians over the slices that show them.
+  /// The body's middle, half its width, and its right side, as medians over the slices that show them.
   struct Sides {
     std::optional<double> middle, half_width, right;  ///< x [m]
   };
@@ -41,6 +41,7 @@ struct BodyScan {
  private:
   void sample(const CompletedAnatomy& anatomy);
   void flood();
+  [[nodiscard]] bool mostly_air(std::size_t i, std::size_t k) const;
 };
 
 }  // namespace calot::detail

@@ -16,19 +16,29 @@ bool is_gallbladder(Structure s) {
   return s == Structure::gallbladder || s == Structure::gallbladder_wall;
 }
 
-/// Whether a place of a tube lies in the gallbladder: its label says so, or most of what lies around the tube does (a
-/// tube that was drawn into the gallbladder has its own label).
-bool in_gallbladder(const LabelProbe& probe, const LinePlace& place) {
-  if (is_gallbladder(probe.at(place.point))) return true;
+/// The part of a ring around a tube, `off` outside of its wall, that `wanted` holds for.
+template <class Wanted>
+double part_around(const LabelProbe& probe, const LinePlace& place, double off, const Wanted& wanted) {
   constexpr int ring = 24;
   const Vec3 a = place.direction.unitOrthogonal(), b = place.direction.cross(a);
-  const double radius = place.radius + std::max(1.0 * mm, 1.5 * probe.voxel());
+  const double radius = place.radius + std::max(off, 1.5 * probe.voxel());
   int inside = 0;
   for (int k = 0; k < ring; ++k) {
     const double angle = 2 * M_PI * k / ring;
-    inside += is_gallbladder(probe.at(place.point + radius * (std::cos(angle) * a + std::sin(angle) * b)));
+    inside += wanted(probe.at(place.point + radius * (std::cos(angle) * a + std::sin(angle) * b)));
   }
-  return 10 * inside >= 6 * ring;
+  return static_cast<double>(inside) / ring;
+}
+
+/// Whether a place of a tube lies in the gallbladder: its label says so, or most of what lies around the tube does (a
+/// tube that was drawn into the gallbladder has its own label).
+bool in_gallbladder(const LabelProbe& probe, const LinePlace& place) {
+  return is_gallbladder(probe.at(place.point)) || part_around(probe, place, 1 * mm, is_gallbladder) >= 0.6;
+}
+
+/// Whether a duct runs along the liver there: a touch is not enough.
+bool at_liver(const LabelProbe& probe, const LinePlace& place) {
+  return part_around(probe, place, 2 * mm, [](Structure s) { return s == Structure::liver; }) >= 0.3;
 }
 
 double distance_to_gallbladder(const LabelProbe& probe, const Vec3& point) {
@@ -105,7 +115,7 @@ CalotTriangle find_triangle(const CompletedAnatomy& anatomy, const LabelProbe& p
     std::reverse(up.points.begin(), up.points.end());
     std::reverse(up.radii.begin(), up.radii.end());
   }
-  constexpr double contact = 1.5 * mm, reach = 60 * mm;
+  constexpr double reach = 60 * mm;
   const double total = length(up);
   double start = 0, nearest = 1e300;  // the junction, on a line that goes on below it
   for (double s = 0; s <= total; s += 2 * walk) {
@@ -114,7 +124,7 @@ CalotTriangle find_triangle(const CompletedAnatomy& anatomy, const LabelProbe& p
   }
   for (double s = start + 5 * mm; s <= total; s += 2 * walk) {
     const LinePlace place = place_at(up, s);
-    if (probe.nearest(place.point, {Structure::liver}, place.radius + contact)) {
+    if (at_liver(probe, place)) {
       triangle.liver_corner = place.point;
       return triangle;
     }
