@@ -2,8 +2,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
+#include <sstream>
 
 #include "calot/mesh/writers.h"
+#include "calot/patient/import_options.h"
+#include "fuzz/tiny_patient.h"
 #include "tests/support/meshes.h"
 
 namespace {
@@ -37,7 +41,69 @@ vertices = [0, 1]
 region = "duct"
 )";
 
+std::string bytes_of(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_patient_seeds(const fs::path& folder) {
+  write(folder / "patient_toml" / "whole", fuzz::tiny_patient_toml());
+  std::ostringstream labels;
+  write_import_options(labels, {});
+  write(folder / "labels_toml" / "whole", labels.str());
+  write(folder / "labels_toml" / "small",
+        "[names]\n\"Gall Bladder\" = \"gallbladder\"\nspleen = \"ignore\"\n[numbers]\n5 = \"liver\"\n"
+        "[resample]\nspacing = 0.5\n[clean]\nclosing = 1\n[draw]\noverlap = 1.0\n[fat]\nfill = true\n");
+  const fs::path lines = folder / "lines.mrk.json";
+  write_markups(lines, fuzz::tiny_patient().lines);
+  write(folder / "centrelines" / "markups", std::string(1, '\0') + bytes_of(lines));
+  fs::remove(lines);
+  write(folder / "centrelines" / "table", "\1# by hand\nline cystic duct\n12.5 -3.0 41.0 1.4\n13.5, -3, 40, 1.5\n");
+}
+
+const char* const nrrd_header = R"(NRRD0005
+# a comment
+type: unsigned short
+dimension: 4
+space: left-posterior-superior
+space units: "mm" "mm" "mm"
+sizes: 2 5 6 7
+space directions: none (0.7,0,0) (0,0.7,0) (0,0,3)
+kinds: list domain domain domain
+endian: little
+encoding: gzip
+space origin: (-100,-120.5,30)
+byte skip: 4
+line skip: 1
+data file: numbers.raw.gz
+Segment0_ID:=Segment_1
+Segment0_Name:=liver\nlobe
+Segment0_LabelValue:=3
+Segment0_Layer:=1
+Segment0_Extent:=0 4 0 5 0 6
+)";
+
+/// A DICOM file with a nested sequence of undefined length and compressed pixels in two pieces; plain ones without.
+std::string dicom(bool compressed) {
+  using namespace std::string_literals;
+  const std::string nested =
+      "\x08\0\x40\x11SQ\0\0\xff\xff\xff\xff\xfe\xff\0\xe0\xff\xff\xff\xff\x08\0\x55\x11UI\x02\0"s +
+      "1\0\xfe\xff\x0d\xe0"s + "\0\0\0\0\xfe\xff\xdd\xe0\0\0\0\0"s;
+  const std::string pieces =
+      "OB\0\0\xff\xff\xff\xff\xfe\xff\0\xe0\0\0\0\0\xfe\xff\0\xe0\x04\0\0\0abcd\xfe\xff\xdd\xe0\0\0\0\0"s;
+  const std::string syntax = compressed ? "UI\x16\0"s + "1.2.840.10008.1.2.4.90" : "UI\x12\0"s + "1.2.840.10008.1.2\0"s;
+  if (!compressed)
+    return std::string(128, '\0') + "DICM\x02\0\x10\0"s + syntax + "\x28\0\x10\0\x02\0\0\0\x05\0"s +
+           "\xe0\x7f\x10\0\x02\0\0\0ab"s;
+  return std::string(128, '\0') + "DICM\x02\0\x10\0"s + syntax + nested + "\x20\0\x32\0DS\x06\0"s + "1\\2\\-3" +
+         "\xe0\x7f\x10\0"s + pieces;
+}
+
 void write_all(const fs::path& folder) {
+  write(folder / "nrrd" / "segments", nrrd_header);
+  write(folder / "dicom" / "compressed", dicom(true));
+  write(folder / "dicom" / "implicit", dicom(false));
+  write_patient_seeds(folder);
   TetMesh mesh = test::two_tets();
   mesh.region_names = {{1, "one"}, {2, "number two"}};
   const std::vector<VertexArray> arrays{{"u", 1, {1, 2, 3, 4, 5}}};

@@ -163,7 +163,9 @@ ModelText read_model(const fs::path& path, const Patient& patient) {
 void check_model(const fs::path& path, const std::string& file, const Patient& patient, Findings& findings) {
   const ModelText model = read_model(path, patient);
   const std::string to_do = "calot precompute uses " + file + ", the trainer patient.toml: write the same in both";
-  for (const auto& [s, wanted] : patient.materials) {
+  for (const auto& entry : patient.materials) {
+    const Structure s = entry.first;
+    const TissueMaterial& wanted = entry.second;
     const auto found = model.materials.find(s);
     if (found == model.materials.end()) {
       findings.warning(file, "has no material for the " + std::string(name_of(s)), to_do);

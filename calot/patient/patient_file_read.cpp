@@ -191,10 +191,11 @@ void PatientReader::check_regions() {
         text += " (" + brief(name->second) + ")";
       throw InputError(toml_.path().string(), "region " + text + " of the mesh has no [[region]]", "add one");
     });
-  for (const auto& [s, line] : region_lines_)
+  for (const auto& entry : region_lines_)
     guarded([&] {
+      const Structure s = entry.first;
       if (!present.contains(label_of(s)))
-        throw InputError(at_line(toml_.path().string(), line),
+        throw InputError(at_line(toml_.path().string(), entry.second),
                          "the mesh has no region " + std::to_string(label_of(s)) + " (" + std::string(name_of(s)) + ")",
                          "remove this [[region]], or restore the mesh");
     });
