@@ -102,6 +102,17 @@ TEST(ImportOptions, UnitsAreThoseOfTheFile) {
   EXPECT_EQ(options.completion.fat_high, CompletionOptions().fat_high);
 }
 
+TEST(ImportOptions, TheManualsExampleReadsAndShowsTheDefaults) {
+  const std::string page = read_bytes(std::string(CALOT_SOURCE_DIR) + "/docs/formats.md");
+  const std::string fence = "```toml\n";
+  const std::size_t start = page.find(fence, page.find("# labels.toml")) + fence.size();
+  const ImportOptions options = read_text(page.substr(start, page.find("```", start) - start));
+  expect_same(options.completion, CompletionOptions());
+  EXPECT_EQ(options.table.find("gallenblase"), Structure::gallbladder);
+  EXPECT_EQ(options.table.find("spleen"), Structure::none);
+  EXPECT_EQ(options.table.numbers.at(5), Structure::liver);
+}
+
 struct Mistake {
   std::string text;
   int line;
