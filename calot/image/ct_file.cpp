@@ -4,6 +4,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/memory.h"
+#include "calot/base/parallel.h"
 #include "calot/image/dicom_series.h"
 #include "calot/image/nifti.h"
 #include "calot/image/nrrd.h"
@@ -42,11 +43,15 @@ CtFile read_series(DicomSeries series, const std::string& where, std::vector<std
   progress.phase("reading DICOM slices");
   file.ct.hounsfield.resize(file.ct.grid.count());
   const std::size_t slice_voxels = file.ct.grid.size[0] * file.ct.grid.size[1];
-  for (std::size_t k = 0; k < series.slices.size(); ++k) {
-    read_dicom_pixels(series.slices[k], file.ct.hounsfield.data() + k * slice_voxels);
-    file.inputs.push_back(series.slices[k].path.string());
-    progress.at(static_cast<double>(k + 1) / static_cast<double>(series.slices.size()));
+  constexpr std::size_t at_a_time = 16;  // decoding compressed slices takes most of the time
+  for (std::size_t first = 0; first < series.slices.size(); first += at_a_time) {
+    const std::size_t count = std::min(at_a_time, series.slices.size() - first);
+    parallel_for(count, [&](std::size_t k) {
+      read_dicom_pixels(series.slices[first + k], file.ct.hounsfield.data() + (first + k) * slice_voxels);
+    });
+    progress.at(static_cast<double>(first + count) / static_cast<double>(series.slices.size()));
   }
+  for (const DicomSlice& slice : series.slices) file.inputs.push_back(slice.path.string());
   return file;
 }
 

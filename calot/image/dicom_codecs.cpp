@@ -126,11 +126,20 @@ bool read_frame(std::string_view bytes, JpegFrame& frame) {
   return false;
 }
 
+/// What matters comes back as a message.
+void silence_gdcm() {
+  static const bool once = [] {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    return true;
+  }();
+  static_cast<void>(once);
+}
+
 template <class JpegCodec>
 std::string decode_with_gdcm(std::string bytes, PixelLayout& layout, std::vector<char>& pixels) {
-  gdcm::Trace::DebugOff();  // what matters comes back as a message
-  gdcm::Trace::WarningOff();
-  gdcm::Trace::ErrorOff();
+  silence_gdcm();
   JpegFrame frame;
   if (!read_frame(bytes, frame)) return "its JPEG header is damaged";
   if (frame.components != 1 || frame.rows != layout.rows || frame.columns != layout.columns || frame.precision < 2 ||

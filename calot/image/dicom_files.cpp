@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -10,6 +11,7 @@
 #include "calot/image/byte_source.h"
 #include "calot/image/dicom_codecs.h"
 #include "calot/image/dicom_elements.h"
+#include "calot/image/voxel_numbers.h"
 
 namespace calot {
 namespace {
@@ -51,6 +53,13 @@ DicomSlice slice_of(const DicomData& data, const std::filesystem::path& path) {
   return slice;
 }
 
+template <class T>
+T turned(T value) {
+  auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
+  std::reverse(bytes.begin(), bytes.end());
+  return std::bit_cast<T>(bytes);
+}
+
 /// The stored bits as a number: what lies above them may be an old overlay.
 template <class T>
 void rescale(std::string_view pixels, bool swapped, const PixelLayout& layout, const DicomSlice& slice,
@@ -59,15 +68,13 @@ void rescale(std::string_view pixels, bool swapped, const PixelLayout& layout, c
   const double slope = slice.slope.empty() ? 1 : slice.slope[0];
   const double intercept = slice.intercept.empty() ? 0 : slice.intercept[0];
   for (std::size_t p = 0; p < layout.count(); ++p) {
-    std::array<char, sizeof(T)> raw{};
-    std::memcpy(raw.data(), pixels.data() + p * sizeof(T), sizeof(T));
-    if (swapped) std::reverse(raw.begin(), raw.end());
     T value = 0;
-    std::memcpy(&value, raw.data(), sizeof(T));
+    std::memcpy(&value, pixels.data() + p * sizeof(T), sizeof(T));
+    if (swapped) value = turned(value);
     const std::uint64_t shifted = static_cast<std::uint64_t>(value) << unused;
     const double stored = layout.is_signed ? static_cast<double>(static_cast<std::int64_t>(shifted) >> unused)
                                            : static_cast<double>(shifted >> unused);
-    hounsfield[p] = static_cast<std::int16_t>(std::clamp(std::round(slope * stored + intercept), -32768.0, 32767.0));
+    hounsfield[p] = whole_hounsfield(slope * stored + intercept);
   }
 }
 

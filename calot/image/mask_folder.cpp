@@ -49,15 +49,18 @@ std::vector<std::uint8_t> read_mask(MaskFile& file, const std::function<void(dou
   mask.reserve(file.grid.count());
   Label only = 0;
   for (auto block = numbers.next(); !block.empty(); block = numbers.next()) {
-    for (const double value : block) {
-      const Label label = label_of(value, mask.size(), numbers.name());
-      if (label != 0 && only == 0) only = label;
-      if (label != 0 && label != only)
+    const std::size_t first = mask.size();
+    mask.resize(first + block.size());
+    for (std::size_t v = 0; v < block.size(); ++v) {
+      if (block[v] == 0) continue;
+      const Label label = label_of(block[v], first + v, numbers.name());
+      if (only == 0) only = label;
+      if (label != only)
         throw InputError(numbers.name(),
                          "holds the labels " + std::to_string(only) + " and " + std::to_string(label) +
                              ", so it is no mask of one class",
                          "give the file itself, or a folder of one mask a class");
-      mask.push_back(label != 0);
+      mask[first + v] = 1;
     }
     at(static_cast<double>(numbers.done()) / static_cast<double>(numbers.count()));
   }

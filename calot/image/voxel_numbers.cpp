@@ -19,12 +19,21 @@ static_assert(std::endian::native == std::endian::little);
 
 template <class T>
 void convert(std::span<const char> raw, const StoredNumbers& stored, std::vector<double>& values) {
-  for (std::size_t v = 0; v < values.size(); ++v) {
+  const auto convert_all = [&](const auto& number_at) {
+    for (std::size_t v = 0; v < values.size(); ++v)
+      values[v] = stored.slope * static_cast<double>(number_at(raw.data() + v * sizeof(T))) + stored.intercept;
+  };
+  if (!stored.swapped)
+    return convert_all([](const char* at) {
+      T number;
+      std::memcpy(&number, at, sizeof(T));
+      return number;
+    });
+  convert_all([](const char* at) {
     std::array<char, sizeof(T)> bytes{};
-    std::memcpy(bytes.data(), raw.data() + v * sizeof(T), sizeof(T));
-    if (stored.swapped) std::reverse(bytes.begin(), bytes.end());
-    values[v] = stored.slope * static_cast<double>(std::bit_cast<T>(bytes)) + stored.intercept;
-  }
+    std::reverse_copy(at, at + sizeof(T), bytes.begin());
+    return std::bit_cast<T>(bytes);
+  });
 }
 
 void convert_any(std::span<const char> raw, const StoredNumbers& stored, std::vector<double>& values) {
@@ -107,7 +116,7 @@ std::vector<std::int16_t> read_hounsfield(NumberReader& numbers, Progress& progr
     if (!std::isfinite(value))
       throw InputError(numbers.name(), "voxel " + std::to_string(voxel) + " has the value " + std::to_string(value),
                        "export the CT again, as Hounsfield units");
-    return static_cast<std::int16_t>(std::clamp(std::round(value), -32768.0, 32767.0));
+    return whole_hounsfield(value);
   });
 }
 

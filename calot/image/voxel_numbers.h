@@ -1,5 +1,7 @@
 // Inside this room only. Voxels as files store them, read block by block.
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -41,6 +43,12 @@ class NumberReader {
   std::vector<char> raw_;
   std::vector<double> values_;
 };
+
+/// The nearest whole HU (halves away from zero), clamped.
+inline std::int16_t whole_hounsfield(double value) {
+  const double clamped = std::clamp(value, -32768.0, 32767.0);
+  return static_cast<std::int16_t>(static_cast<int>(clamped + std::copysign(0.5, clamped)));
+}
 
 /// A number as a label. Throws InputError naming file and voxel for anything but whole numbers in 0 … 65535.
 Label label_of(double value, std::size_t voxel, const std::string& where);
