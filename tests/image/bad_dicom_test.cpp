@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "calot/image/ct_file.h"
+#include "calot/image/dicom_files.h"
 #include "tests/image/dicom_fixture.h"
 
 namespace calot {
@@ -83,6 +84,14 @@ open('plain.txt', 'w').write('hello')
     EXPECT_NE(text.find("; "), std::string::npos) << "says what to do: " << text;
   }
 
+  static std::optional<DicomSlice> read_header(const std::filesystem::path& path) {
+    try {
+      return read_dicom_header(path);
+    } catch (const InputError&) {
+      return {};
+    }
+  }
+
   static TempFolder* folder_;
 };
 
@@ -150,6 +159,30 @@ TEST_F(BadDicom, truncated_and_damaged_files) {
     for (const double part : {0.5, 0.7, 0.9, 0.97}) {
       test::write_bytes(victim, bytes.substr(0, static_cast<std::size_t>(part * static_cast<double>(bytes.size()))));
       expect("cut_" + how, "cut_" + how + "/slice001.dcm", "");
+    }
+  }
+}
+
+TEST_F(BadDicom, wrong_bytes_in_compressed_pixels_are_read_or_refused) {
+  Progress silent;
+  const auto source = *folder_ / "j2k/slice001.dcm";
+  for (const std::string how : {"raw", "j2k", "jpeg", "rle", "jpegls"}) {
+    const auto folder = *folder_ / ("flipped_" + how);
+    std::filesystem::create_directory(folder);
+    const auto result =
+        test::run_command("gdcmconv --" + how + " '" + source.string() + "' '" + (folder / "a").string() + "'");
+    ASSERT_EQ(result.status, 0) << result.output;
+    const std::string good = test::read_bytes(folder / "a");
+    for (std::size_t n = 0; n < 300; ++n) {
+      std::string bytes = good;
+      const std::size_t at = 132 + (n * 7919) % (bytes.size() - 132);
+      bytes[at] = static_cast<char>(bytes[at] ^ (1 << n % 8 | (n % 3 == 0 ? 0xf0 : 0)));
+      test::write_bytes(folder / "a", bytes);
+      EXPECT_FALSE(test::message_of([&] { read_ct(folder, silent); }).empty()) << "one slice is no volume";
+      const auto slice = read_header(folder / "a");
+      if (!slice || slice->rows != 64 || slice->columns != 64) continue;
+      std::vector<std::int16_t> pixels(64 * 64);
+      test::message_of([&] { read_dicom_pixels(*slice, pixels.data()); });
     }
   }
 }
