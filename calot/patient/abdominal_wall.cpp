@@ -44,8 +44,10 @@ AbdominalWall::AbdominalWall(const CompletedAnatomy& anatomy, const Vec3& bile_d
   middle_z_ = umbilicus_z_ = bile_duct[2];
   find_midline(scan, bile_duct, notes);
   find_skin(scan);
-  find_thickness(scan, notes);
-  fit_front(notes);
+  std::vector<std::string> of_front;
+  find_thickness(scan, of_front);
+  fit_front(of_front);
+  notes.insert(notes.end(), of_front.begin(), of_front.end());
   spread_correction();
 }
 
@@ -103,7 +105,7 @@ void AbdominalWall::find_thickness(const BodyScan& scan, std::vector<std::string
   constexpr auto stride = static_cast<std::size_t>(column_size / BodyScan::cell + 0.5);
   std::vector<double> depths;
   for (std::size_t c = 0; c < skin_.size(); ++c) {
-    if (!(skin_[c] == skin_[c]) || std::abs(x_of(c) - midline_) > 0.7 * half_width_) continue;
+    if (!(skin_[c] == skin_[c]) || std::abs(x_of(c) - midline_) > 0.9 * half_width_) continue;
     const std::size_t i = c % size_[0] * stride, k = c / size_[0] * stride;
     const auto first = static_cast<std::size_t>((skin_[c] - scan.origin[1]) / BodyScan::cell + 0.5);
     int firm = 0;  // cells of muscle in a row
@@ -113,17 +115,15 @@ void AbdominalWall::find_thickness(const BodyScan& scan, std::vector<std::string
       fat = fat || hu < -40;
       firm = fat && hu > -20 ? firm + 1 : 0;
       if (firm < 2) continue;
-      depths.push_back(static_cast<double>(first - j - 1) * BodyScan::cell + muscle);
+      depths.push_back(static_cast<double>(first - j - 1) * BodyScan::cell / steepness(x_of(c)) + muscle);
       break;
     }
   }
   const auto seen = std::count_if(skin_.begin(), skin_.end(), [](float y) { return y == y; });
   skin_seen_ = seen >= 60;  // about 10 cm²
   thickness_ = usual_thickness;
-  if (!skin_seen_)
-    notes.push_back(
-        text("the skin isn't in the CT: the abdominal wall is assumed %.0f mm in front of the organs", clearance / mm));
-  else if (depths.size() >= 20 && 3 * std::ssize(depths) > seen) {
+  if (!skin_seen_) return;
+  if (depths.size() >= 20 && 3 * std::ssize(depths) > seen) {
     thickness_ = std::clamp(part_of(depths, 0.5), 12 * mm, 90 * mm);
     notes.push_back(text("the abdominal wall is %.0f mm thick", thickness_ / mm) +
                     text(": skin and fat as the CT shows them, and %.0f mm of muscle assumed", muscle / mm));
@@ -132,6 +132,16 @@ void AbdominalWall::find_thickness(const BodyScan& scan, std::vector<std::string
         text("the layers of the abdominal wall can't be told apart in the CT: it is assumed to be %.0f mm "
              "thick",
              thickness_ / mm));
+}
+
+/// How much longer the wall is along y than across itself, on a usual front.
+double AbdominalWall::steepness(double x) const {
+  const double u = std::min(0.95, std::abs(x - midline_) / half_width_);
+  return std::hypot(1.0, usual_flatness * u / std::sqrt(1 - u * u));
+}
+
+double AbdominalWall::inner_y(std::size_t c) const {
+  return skin_[c] - thickness_ * steepness(x_of(c));
 }
 
 double AbdominalWall::bulge_at(double x) const {
@@ -145,14 +155,18 @@ double AbdominalWall::model_y(double x, double z) const {
 
 void AbdominalWall::fit_front(std::vector<std::string>& notes) {
   if (skin_seen_) fit_to_skin();
-  if (skin_seen_ && !(bulge_ > 0.2 * half_width_ && bulge_ < 1.5 * half_width_)) {
+  if (skin_seen_ && !(bulge_ > 0.3 * half_width_ && bulge_ < 1.2 * half_width_)) {
     skin_seen_ = false;  // what looked like skin is none: gas in a bowel at the field's border
-    notes.emplace_back("the front of the body in the CT has no abdomen's shape: the wall is placed by the organs");
+    notes.clear();
   }
-  if (!skin_seen_) fit_to_organs();
+  if (skin_seen_) return;
+  fit_to_organs();
+  notes.push_back(
+      text("the skin isn't in the CT: the abdominal wall is assumed %.0f mm in front of the organs", clearance / mm));
 }
 
-/// Least squares, leaving out what lies far off (cables, gas): the columns within three median deviations.
+/// Least squares, leaving out what lies far off (cables, gas): beyond 4.5 median deviations. Where only a flank is
+/// seen, a usual front decides between the many that fit.
 void AbdominalWall::fit_to_skin() {
   std::vector<std::size_t> columns;
   double mean_z = 0;
@@ -161,26 +175,24 @@ void AbdominalWall::fit_to_skin() {
   for (const std::size_t c : columns) mean_z += z_of(c) / static_cast<double>(columns.size());
   middle_z_ = mean_z;
   for (int round = 0; round < 4 && columns.size() >= 20; ++round) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Identity() * 1e-9;
-    Vec3 right = Vec3::Zero();
+    constexpr double usual = 30;  // columns that the usual front counts for
+    Eigen::Matrix3d normal = Vec3(1e-9, usual, usual * 50 * mm * 50 * mm).asDiagonal();
+    Vec3 right(0, usual * usual_flatness * half_width_, 0);
     for (const std::size_t c : columns) {
       const Vec3 row(1, bulge_at(x_of(c)), z_of(c) - middle_z_);
       normal += row * row.transpose();
-      right += row * (skin_[c] - thickness_);
+      right += row * inner_y(c);
     }
     const Vec3 found = normal.ldlt().solve(right);
     front_ = found[0], bulge_ = found[1], slope_ = std::clamp(found[2], -0.5, 0.5);
-    const auto off = [&](std::size_t c) { return std::abs(skin_[c] - thickness_ - model_y(x_of(c), z_of(c))); };
+    const auto off = [&](std::size_t c) { return std::abs(inner_y(c) - model_y(x_of(c), z_of(c))); };
     std::vector<double> deviations;
     for (const std::size_t c : columns) deviations.push_back(off(c));
     const double limit = std::max(5 * mm, 4.5 * part_of(deviations, 0.5));
     std::erase_if(columns, [&](std::size_t c) { return off(c) > limit; });
   }
-  for (float& y : skin_)
-    if (y == y) {
-      const auto c = static_cast<std::size_t>(&y - skin_.data());
-      if (std::abs(y - thickness_ - model_y(x_of(c), z_of(c))) > 25 * mm) y = none;
-    }
+  for (std::size_t c = 0; c < skin_.size(); ++c)
+    if (std::abs(inner_y(c) - model_y(x_of(c), z_of(c))) > 25 * mm) skin_[c] = none;
 }
 
 /// A usual front, just before all organs.
@@ -216,7 +228,7 @@ void AbdominalWall::spread_correction() {
             organ = std::max(organ, static_cast<double>(organ_front_[c]));
           if (skin_[c] != skin_[c]) continue;
           const double w = std::exp(-distance2 / (2 * 12 * mm * 12 * mm));
-          sum += w * (skin_[c] - thickness_ - model_y(x_of(c), z_of(c)));
+          sum += w * (inner_y(c) - model_y(x_of(c), z_of(c)));
           weight += w;
         }
       const std::size_t here = i + size_[0] * k;

@@ -39,6 +39,8 @@ class AbdominalWall {
   void spread_correction();
   [[nodiscard]] double model_y(double x, double z) const;
   [[nodiscard]] double bulge_at(double x) const;
+  [[nodiscard]] double steepness(double x) const;
+  [[nodiscard]] double inner_y(std::size_t c) const;  ///< behind the skin of a column [m]; NaN without
   [[nodiscard]] double x_of(std::size_t c) const {
     return origin_[0] + column_size * static_cast<double>(c % size_[0]);
   }

@@ -48,7 +48,8 @@ double way_cost(const LabelProbe& probe, const Vec3& port, const Vec3& target) {
   const Vec3 way = target - port;
   const double length = way.norm(), off = std::max(0.0, std::abs(length - 150 * mm) - 30 * mm);
   const double blocked = length > 20 * mm ? probe.blocked(port, target - 15 * mm / length * way).length : 0;
-  return std::pow(off / (20 * mm), 2) + blocked / (20 * mm);
+  const double too_near = std::max(0.0, 105 * mm - length);
+  return std::pow(off / (20 * mm), 2) + std::pow(too_near / (5 * mm), 2) + blocked / (20 * mm);
 }
 
 std::vector<Candidate> around(const AbdominalWall& wall, const LabelProbe& probe, double x, double z, double dx,
