@@ -7,6 +7,7 @@ namespace {
 
 void add_commands(CLI::App& app) {
   calot::add_phantom_command(app);
+  calot::add_patient_command(app);
   calot::add_mesh_command(app);
   calot::add_precompute_command(app);
   calot::add_cut_command(app);
