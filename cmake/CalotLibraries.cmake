@@ -35,8 +35,9 @@ function(calot_find_dicom_codecs)
   endforeach()
 endfunction()
 
-# ITK is the judge of images in the tests. Its package file fills variables (and overwrites HDF5's), so it is kept in a function and the
-# parts we use become one target of ours. Debian's file also looks for the programs of libgdcm-tools and libvtkgdcm-tools.
+# ITK is the judge of images in the tests. Its package file fills variables (and overwrites HDF5's), so it is kept in a
+# function and the parts we use become one target of ours. Debian's file also looks for the programs of libgdcm-tools
+# and libvtkgdcm-tools.
 function(calot_find_itk)
   calot_find_dicom_codecs()
   if(TARGET calot_itk)
