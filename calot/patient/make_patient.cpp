@@ -57,6 +57,7 @@ class PatientMaker {
   StructureLabels labels_;
   std::vector<Centreline> lines_;
   MadePatient made_;
+  std::string last_detail_;  // said already
 };
 
 void PatientMaker::read_images() {
@@ -114,7 +115,8 @@ void PatientMaker::say_step(const CompletionStep& step) {
   if (step.added > 0) line += text(": +%zu voxels (%.3g mL)", step.added, step.added_ml);
   if (step.removed > 0)
     line += text("%s -%zu voxels (%.3g mL)", step.added > 0 ? "," : ":", step.removed, step.removed_ml);
-  if (!step.detail.empty()) line += " [" + step.detail + "]";
+  if (!step.detail.empty() && step.detail != last_detail_) line += " [" + step.detail + "]";
+  last_detail_ = step.detail;
   say(line);
 }
 

@@ -11,6 +11,7 @@
 #include "calot/patient/cgal_mesh.h"
 #include "calot/patient/label_field.h"
 #include "calot/patient/mesh_repair.h"
+#include "calot/patient/outer_volume.h"
 #include "calot/patient/size_field.h"
 
 namespace calot {
@@ -168,8 +169,10 @@ Search::Candidate Search::attempt(double factor, bool mend) {
   Candidate candidate;
   candidate.mesh = cgal_mesh(problem);
   candidate.notes = repair_regions(candidate.mesh, field_.labels().size());
-  if (mend)
+  if (mend) {
     improve(candidate.mesh, {.min_dihedral = options_.min_dihedral + 4, .max_dihedral = options_.max_dihedral - 7});
+    detail::fit_outer_volumes(candidate.mesh, wanted_volume_, options_.min_dihedral + 2, options_.max_dihedral - 4);
+  }
   const Quality measured = quality(candidate.mesh);
   candidate.min_dihedral = measured.min_dihedral;
   candidate.max_dihedral = measured.max_dihedral;
