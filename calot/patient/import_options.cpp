@@ -51,7 +51,7 @@ constexpr std::array settings{
     Setting{"fat", "connective_reach", &Options::connective_reach, mm, 0, 20, "mm",
             "and at most so far from a structure"},
     Setting{"fat", "triangle_reach", &Options::triangle_reach, mm, 0, 50, "mm",
-            "Calot's triangle reaches so far beyond the hull of its corners"},
+            "Calot's triangle reaches so far beyond the surface between its sides"},
     Setting{"fat", "bed_thickness", &Options::bed_thickness, mm, 0, 20, "mm",
             "of the layer between gallbladder and liver"},
     Setting{"fat", "bed_reach", &Options::bed_reach, mm, 0, 50, "mm",
