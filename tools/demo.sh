@@ -33,7 +33,7 @@ vertex_farthest_along() {
 }
 
 mkdir -p "$out"
-run "A patient: the biliary tree of an adult, made from published measurements" phantom -o "$out/patient" --seed 1
+run "A patient: the biliary tree of an adult, made from published measurements" phantom --tree -o "$out/patient" --seed 1
 run "Its mesh, as large as the paper's" mesh "$out/patient/labels.nii.gz" -o "$out/organ" --vertices 2442 --refine "cystic duct:1.2"
 
 plane=$(plane_across_duct "$out/patient/ducts.mrk.json")

@@ -52,9 +52,9 @@ std::vector<Filled> bodies_at_hub(Random& random, double front) {
       tube({{left - 12, -30, 8}, {-42, -14, 10}, {-27, -3, -5}}, 2.6, hu::blood),  // common hepatic artery
       ellipsoid({-6, -3, -46}, {18, 15, 28}, hu::pancreas),
       tube({{-14, -4, -40}, {-45, 2, -22}, {-80, -18, 5}, {-110, -40, 24}}, 9, hu::pancreas)};
-  Filled stomach = tube({{-60, -12, 80}, {-98, 4, 52}, {-98, 18, 10}, {-68, 30, -22}, {-26, 26, -24}, {-6, 20, -20}},
-                        21, hu::stomach);
-  stomach.gas_above = (front - 36) * mm;
+  bodies.push_back(tube({{-66, 34, -22}, {-36, 32, -30}, {-4, 22, -20}}, 13, 38));  // antrum
+  Filled stomach = tube({{-70, -16, 58}, {-98, 0, 48}, {-102, 18, 12}, {-74, 32, -18}}, 21, hu::stomach);
+  stomach.gas_above = 31 * mm;
   Filled stomach_wall = stomach;
   stomach_wall.radius += 4 * mm, stomach_wall.hounsfield = 45, stomach_wall.gas_above = 1e9;
   bodies.push_back(stomach_wall);
@@ -102,7 +102,7 @@ Trunk trunk_around(Random& random, const OperatingField& field) {
     for (std::size_t k = 0; k < liver.size()[2]; k += 3)
       for (std::size_t j = 0; j < liver.size()[1]; j += 2)
         for (std::size_t i = 0; i < liver.size()[0]; i += 2)
-          if (liver.value(i, j, k) < 0) consider(liver.place(i, j, k), 0);
+          if (liver.value(i, j, k) < 0 && liver.value(i, j, k) > -8 * mm) consider(liver.place(i, j, k), 0);
     for (const Ball& ball : field.outside) consider(ball.centre, ball.radius);
     if (lateral >= 0 && frontal >= 0) break;
     trunk.half_width += std::max(0.0, -lateral) * 0.7;
@@ -123,10 +123,16 @@ SampledField draw_dome(const OperatingField& field, const Trunk& trunk) {
                                     Vec3(76 * mm, 90 * mm, top - hub[2] - 20 * mm), 2.2};
   const Eigen::AlignedBox3d box(Vec3(trunk.x - trunk.half_width, trunk.y - trunk.half_depth, hub[2] - 30 * mm),
                                 Vec3(trunk.x + trunk.half_width, trunk.y + trunk.half_depth, top + 60 * mm));
-  return {box, 4 * mm, [&](const Vec3& p) {
-            const double floor = p[2] - hub[2] - 5 * mm;  // the recesses of the chest end here
-            const double domes =
-                smooth_min(smooth_min(right.distance(p), left.distance(p), 25 * mm), stomach_side.distance(p), 25 * mm);
+  const Superellipsoid crura{Vec3(trunk.x + 8 * mm, hub[1] - 38 * mm, hub[2]), Vec3(48 * mm, 34 * mm, 88 * mm), 2.5};
+  Superellipsoid caudate = field.liver.form.caudate;
+  caudate.radii.array() += 6 * mm;
+  return {box, 6 * mm, [&](const Vec3& p) {
+            // The recesses of the chest end at the hub's height, in front well above it.
+            const double front = std::clamp((p[1] - trunk.y) / trunk.half_depth, 0.0, 0.8) / 0.8;
+            const double floor = p[2] - hub[2] - 5 * mm - 60 * mm * front;
+            const double liver = smooth_min(right.distance(p), left.distance(p), 25 * mm);
+            const double behind = smooth_min(crura.distance(p), caudate.distance(p), 30 * mm);
+            const double domes = smooth_min(smooth_min(liver, stomach_side.distance(p), 25 * mm), behind, 12 * mm);
             return smooth_min(domes, floor, 15 * mm);
           }};
 }
@@ -186,9 +192,10 @@ AbdomenPainter::AbdomenPainter(const Abdomen& abdomen, const Vec3& hub, const Vo
                  side = std::min(std::abs(x) / trunk.half_width, 1.0);
     Column& c = columns_[v];
     c.depth = static_cast<float>(-trunk.distance(p[0], p[1]));
-    c.fat = static_cast<float>(trunk.fat * (1 + 0.25 * side * (front < 0 ? 1 : 0.3)));
-    c.wall = c.fat + static_cast<float>(trunk.muscle * (std::abs(x) < 6 * mm && front > 0 ? 0.4 : 1) +
-                                        std::max(-front - 0.35, 0.0) * 22 * mm);
+    c.fat = static_cast<float>(trunk.fat * (1 + 0.25 * side * (0.65 - 0.35 * front)));
+    c.wall =
+        c.fat + static_cast<float>(trunk.muscle * (1 - 0.6 * std::max(front, 0.0) * std::exp(-x * x / (64 * mm * mm))) +
+                                   std::max(-front - 0.35, 0.0) * 22 * mm);
     c.rib = static_cast<float>(hub[2] + 20 * mm - 55 * mm * front);  // ribs descend to the front
     c.margin = static_cast<float>(hub[2] + (front > 0 ? -60 + 130 * front * (1 - side * side) : -60.0) * mm);
   }
@@ -242,9 +249,9 @@ void AbdomenPainter::paint_spine(std::size_t k, std::span<float> hounsfield) con
       float& value = hounsfield[i + grid_.size[0] * j];
       put(value, hu::psoas, std::hypot((x - 34 * mm) / 1.0, (y + 4 * mm) / 1.3) - 13 * mm);
       put(value, hu::muscle, std::hypot((x - 30 * mm) / 1.3, (y + 48 * mm) / 1.0) - 19 * mm);
-      const double body = std::hypot(x / 22, y / 17) * 18 * mm - 18 * mm;
+      const double body = (std::hypot(x / (22 * mm), y / (17 * mm)) - 1) * 18 * mm;
       const double arch = std::abs(std::hypot(x, y + 26 * mm) - 11.5 * mm) - 3 * mm;
-      const double process = std::max(x - 3 * mm, std::abs(y + 52 * mm) - 17 * mm);
+      const double process = std::max(x - 3 * mm, std::abs(y + 47 * mm) - 12 * mm);
       const double wing = std::max(std::abs(y + 27 * mm + 0.25 * x) - 4 * mm, x - 38 * mm);
       const double low = std::abs(level + 3 * mm) - 9 * mm;  // processes don't fill the whole height
       const double bone = std::min({body, arch, std::max(std::min(process, wing), low)});

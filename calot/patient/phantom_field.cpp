@@ -109,13 +109,17 @@ void draw_field_ducts(std::uint64_t seed, PhantomVariant variant, Random& random
   bile[field.junction] = field.hub;
   if (variant == PhantomVariant::low_insertion) insert_low(random, field, cystic);
   field.junction_direction = (bile[field.junction + 4] - bile[field.junction - 4]).normalized();
+  for (const Vec3& p : cystic.points) {
+    field.mouth = p;
+    if (distance_to(bile, p) < field.bile_duct.radii[0]) break;
+  }
   if (variant == PhantomVariant::inflamed) facts.wall_thickness = random.uniform(4.2, 6.8) * mm;
   field.outside = facts.wall_thickness > 0 ? thickened(field.lumen, facts.wall_thickness) : field.lumen;
   field.tubes.push_back({Structure::cystic_duct, cystic, bile_hounsfield});
 }
 
 SampledField draw_hepatocystic_fat(Random& random, const OperatingField& field) {
-  const double half = random.uniform(4.0, 5.2) * mm;
+  const double half = random.uniform(3.4, 4.4) * mm;
   const Curve& bile = field.bile_duct.points;
   const Vec3 junction = field.hub, hilum = bile[16];
   const Vec3 neck = field.outside.front().centre, body = field.outside[field.outside.size() / 5].centre;

@@ -20,6 +20,7 @@ struct OperatingField {
   Centreline bile_duct;      ///< common hepatic and common bile duct in one, downwards
   std::size_t junction = 0;  ///< point of the bile duct where the cystic duct joins: the origin
   Vec3 junction_direction;   ///< of the bile duct there, downwards
+  Vec3 mouth;                ///< of the cystic duct, in the bile duct's wall: the label changes at its height
   BallChain lumen;           ///< of the gallbladder; with its wall, where that is no region of its own
   BallChain outside;         ///< of the gallbladder's wall
   double bed_thickness = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "calot/base/error.h"
 #include "calot/patient/phantom_tree.h"
@@ -10,7 +11,7 @@ namespace calot {
 namespace {
 
 constexpr double mm = 1e-3;
-constexpr double cava_radius = 11 * mm, fissure_radius = 3.5 * mm;
+constexpr double cava_radius = 11 * mm, fissure_radius = 5 * mm;
 
 /// What is to be met.
 struct Wanted {
@@ -45,7 +46,7 @@ void turn(LiverForm& form, const Knobs& k, const Vec3& hub) {
   form.right = between(hub + low, hub + high, k.power);
   const Vec3 left_low(k.left, k.front - 74 * mm, 8 * mm), left_high(60 * mm, k.front - 2 * mm, k.top - 24 * mm);
   form.left = between(hub + left_low, hub + left_high, k.power);
-  form.caudate.centre[1] = hub[1] + std::max(-20 * mm, k.back + 20 * mm);
+  form.caudate.centre[1] = hub[1] + std::max(-17 * mm, k.back + 20 * mm);
 }
 
 /// The visceral surface passes a finger's breadth above the gallbladder's neck and cuts into its body, so that a third
@@ -58,7 +59,7 @@ void lay_sheet(Random& random, const LiverAnchors& anchors, LiverForm& form) {
   const Vec3 wish = vary(random, {-0.36, -0.57, -0.74}, 0.06);
   const Vec3 down = (wish - wish.dot(axis) * axis).normalized();
   const Vec3 above_neck = neck - random.uniform(7.5, 9.5) * mm * down;
-  form.sheet_point = body.centre - random.uniform(0.32, 0.46) * body.radius * down;
+  form.sheet_point = body.centre - random.uniform(0.22, 0.38) * body.radius * down;
   const Vec3 along = (form.sheet_point - above_neck).normalized();
   form.down = (down - down.dot(along) * along).normalized();
   form.across = form.down.cross(along);
@@ -71,8 +72,8 @@ LiverForm first_form(Random& random, const LiverAnchors& anchors) {
   LiverForm form;
   lay_sheet(random, anchors, form);
   const Vec3& hub = anchors.hub;
-  const Vec3 caudate(-14 + random.uniform(-2, 2), -20, 52 + random.uniform(-3, 3));
-  form.caudate = {hub + caudate * mm, Vec3(16, 11, 24) * mm, 2};
+  const Vec3 caudate(-12 + random.uniform(-2, 2), -17, 46 + random.uniform(-3, 3));
+  form.caudate = {hub + caudate * mm, Vec3(17, 12, 19) * mm, 2};
   form.cava = {hub + Vec3(-9, -31, -120) * mm, hub + Vec3(-9, -31, 140) * mm};
   form.hilum = anchors.hilum;
   return form;
@@ -81,15 +82,21 @@ LiverForm first_form(Random& random, const LiverAnchors& anchors) {
 /// After the sheet and the dome are known: the fissure runs on the visceral surface from the hilum's left end forwards.
 void mark_hilum(LiverForm& form, const Knobs& knobs, const LiverAnchors& anchors) {
   form.fissure.clear();
-  const auto on_sheet = [&](Vec3 p) -> Vec3 { return p - (p - form.sheet_point).dot(form.down) * form.down; };
-  const Vec3 from = on_sheet(anchors.hub + Vec3(-24 * mm, 6 * mm, 36 * mm));
-  const Vec3 to = on_sheet(anchors.hub + Vec3(-38 * mm, knobs.front + 8 * mm, 20 * mm));
   form.hilum_shift = form.bend = 0;
   const double gap = form.distance(form.hilum);
   const double behind = (form.hilum - form.sheet_point).dot(form.across.cross(form.down)) + form.bend_from;
   if (behind < 0) form.bend = std::max(gap, 0.0) / (behind * behind);
   form.hilum_shift = -form.distance(form.hilum);
-  form.fissure = {from, to};
+  const auto on_surface = [&](const Vec3& p) {  // from the sheet down to where the liver ends
+    Vec3 q = p - (p - form.sheet_point).dot(form.down) * form.down;
+    for (int step = 0; step < 60 && form.distance(q) < 0; ++step) q += mm * form.down;
+    return q;
+  };
+  const Vec3 from = anchors.hub + Vec3(-24 * mm, 6 * mm, 36 * mm);
+  const Vec3 to = anchors.hub + Vec3(-38 * mm, knobs.front + 8 * mm, 20 * mm);
+  Curve fissure;
+  for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) fissure.push_back(on_surface(from + share * (to - from)));
+  form.fissure = fissure;
 }
 
 /// How far the fundus reaches beyond the liver's edge, seen along the gallbladder.
@@ -102,26 +109,27 @@ double overhang(const LiverForm& form, const LiverAnchors& anchors) {
   return (balls.back().centre - start).dot(along) + balls.back().radius - edge;
 }
 
-/// The liver with the fossa taken out.
-SampledField carved(const LiverForm& form, const LiverAnchors& anchors, double step) {
+/// `liver` with the fossa taken out.
+SampledField carved(const std::function<double(const Vec3&)>& liver, const LiverAnchors& anchors, double step) {
   Eigen::AlignedBox3d near = bounds(*anchors.gallbladder);
   near.min().array() -= anchors.bed_thickness;
   near.max().array() += anchors.bed_thickness;
   const Eigen::AlignedBox3d box(anchors.hub + Vec3(-135, -80, -105) * mm, anchors.hub + Vec3(140, 125, 130) * mm);
   return {box, step, [&](const Vec3& p) {
-            const double d = form.distance(p);
+            const double d = liver(p);
             if (!near.contains(p)) return d;
             return std::max(d, anchors.bed_thickness - distance_to(*anchors.gallbladder, p));
           }};
 }
 
 /// Turns the extents' knobs until they are met; the volume then is what `power` makes it.
-double fit_extents(LiverForm& form, Knobs& knobs, const LiverAnchors& anchors, const Wanted& wanted) {
+double fit_extents(LiverForm& form, Knobs& knobs, const LiverAnchors& anchors, const Wanted& wanted, int rounds) {
   double volume = 0;
-  for (int round = 0; round < 4; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     turn(form, knobs, anchors.hub);
     mark_hilum(form, knobs, anchors);
-    const SampledField::Measure m = carved(form, anchors, 7 * mm).measure_inside();
+    const SampledField::Measure m =
+        carved([&](const Vec3& p) { return form.distance(p); }, anchors, 8 * mm).measure_inside();
     const Vec3 size = m.extent.sizes();
     volume = m.volume;
     const double forward = 0.6 * (overhang(form, anchors) - wanted.overhang);
@@ -158,21 +166,21 @@ Liver draw_liver(Random& random, const LiverAnchors& anchors, PhantomFacts& fact
   Liver liver{first_form(random, anchors), {}};
   Knobs knobs;
   double low = 1.7, high = 4.5;
-  for (int step = 0; step < 9; ++step) {
+  for (int step = 0; step < 8; ++step) {
     knobs.power = (low + high) / 2;
-    (fit_extents(liver.form, knobs, anchors, wanted) < wanted.volume ? low : high) = knobs.power;
+    const double volume = fit_extents(liver.form, knobs, anchors, wanted, step == 0 ? 4 : 2);
+    (volume < wanted.volume ? low : high) = knobs.power;
   }
-  const SampledField::Measure m = carved(liver.form, anchors, 2.5 * mm).measure_inside();
+  const Eigen::AlignedBox3d box(anchors.hub + Vec3(-135, -80, -105) * mm, anchors.hub + Vec3(140, 125, 130) * mm);
+  liver.field = SampledField(box, 2.5 * mm, [&](const Vec3& p) { return liver.form.distance(p); });
+  const SampledField::Measure m =
+      carved([&](const Vec3& p) { return liver.field.at(p); }, anchors, 3 * mm).measure_inside();
   const Vec3 size = m.extent.sizes();
   facts.liver_volume = m.volume;
   facts.liver_width = size[0], facts.liver_depth = size[1], facts.liver_height = size[2];
   if (std::abs(m.volume / wanted.volume - 1) > 0.05 ||
       (size - Vec3(wanted.width, wanted.depth, wanted.height)).cwiseAbs().maxCoeff() > 4 * mm)
     throw FailedError("phantom", "found no liver within the published ranges", "try another seed");
-  Eigen::AlignedBox3d box = m.extent;
-  box.min().array() -= 20 * mm;
-  box.max().array() += 20 * mm;
-  liver.field = SampledField(box, 2 * mm, [&](const Vec3& p) { return liver.form.distance(p); });
   return liver;
 }
 

@@ -129,7 +129,7 @@ class FieldPainter {
       const Vec3 p =
           slice.grid.to_world * Vec3(static_cast<double>(w.first[0] + v % w.width()),
                                      static_cast<double>(w.first[1] + v / w.width()), static_cast<double>(slice.k));
-      if ((p - field_.bile_duct.points[field_.junction]).dot(field_.junction_direction) < 0)
+      if ((p - field_.mouth).dot(field_.junction_direction) < 0)
         label = label_of(Structure::common_hepatic_duct);
     }
   }
@@ -169,7 +169,7 @@ void add_noise(const Slice& slice, std::uint64_t seed, std::span<std::int16_t> o
 }
 
 Eigen::AlignedBox3d organs_box(const OperatingField& field) {
-  Eigen::AlignedBox3d box = grown(field.liver.field.box(), -18 * mm);  // its lattice has 20 mm to spare
+  Eigen::AlignedBox3d box = field.liver.field.measure_inside().extent;
   box.extend(bounds(field.outside));
   for (const Centreline& line : field.lines()) box.extend(bounds(balls_along(line.points, line.radii)));
   return box;
