@@ -149,7 +149,7 @@ std::string decode_with_gdcm(std::string bytes, PixelLayout& layout, std::vector
   gdcm::Fragment fragment;
   fragment.SetTag(gdcm::Tag(0xfffe, 0xe000));
   fragment.SetByteValue(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
-  gdcm::SmartPointer<gdcm::SequenceOfFragments> fragments = new gdcm::SequenceOfFragments;
+  auto* const fragments = new gdcm::SequenceOfFragments;  // `in` counts its users, and deletes it
   fragments->AddFragment(fragment);
   gdcm::DataElement in(gdcm::Tag(0x7fe0, 0x0010)), out;
   in.SetValue(*fragments);
@@ -192,7 +192,7 @@ std::string decode_runs(std::string_view bytes, const PixelLayout& layout, std::
     std::memcpy(&value, bytes.data() + 4 * at, 4);
     return static_cast<std::size_t>(value);
   };
-  const std::string damaged = "its run lengths (RLE) are damaged or truncated";
+  const char* const damaged = "its run lengths (RLE) are damaged or truncated";
   if (bytes.size() < 64 || word(0) != layout.bytes) return damaged;
   for (std::size_t plane = 0; plane < layout.bytes; ++plane) {
     const std::size_t begin = word(1 + plane), end = plane + 1 < layout.bytes ? word(2 + plane) : bytes.size();

@@ -268,6 +268,7 @@ std::vector<DicomSeries> find_series(const fs::path& folder, bool deep, Progress
                      "name the folder of a CT series, or a .nii.gz or .nrrd file");
   if (passed) notes.push_back(count_of(passed, "file") + " passed over that are no DICOM images, e.g. " + example);
   std::vector<DicomSeries> all;
+  all.reserve(by_uid.size());
   for (auto& [uid, series] : by_uid) all.push_back(std::move(series));
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
   return all;

@@ -134,13 +134,15 @@ void Parser::read_line(std::string_view line, std::size_t number) {
   }
   const auto end = colon != std::string_view::npos ? colon : line.find(':');
   if (end == std::string_view::npos)
-    throw InputError(at_line(where_, number), "has a line that is no field: " + in_quotes(line), "export the file again");
+    throw InputError(at_line(where_, number), "has a line that is no field: " + in_quotes(line),
+                     "export the file again");
   std::string field = lower(trimmed(line.substr(0, end)));
   if (field == "datafile") field = "data file";
   if (field == "lineskip") field = "line skip";
   if (field == "byteskip") field = "byte skip";
   if (!fields_.emplace(field, Field{std::string(trimmed(line.substr(end + 1))), number}).second)
-    throw InputError(at_line(where_, number), "gives the field " + in_quotes(field) + " twice", "export the file again");
+    throw InputError(at_line(where_, number), "gives the field " + in_quotes(field) + " twice",
+                     "export the file again");
 }
 
 template <class T>
@@ -224,7 +226,8 @@ void Parser::check_kinds() const {
   const std::string* text = find("kinds");
   if (!text) return;
   const auto kinds = words(*text);
-  if (kinds.size() != dimension_) wrong("kinds", "doesn't name every axis: " + in_quotes(*text), "export the file again");
+  if (kinds.size() != dimension_)
+    wrong("kinds", "doesn't name every axis: " + in_quotes(*text), "export the file again");
   for (std::size_t d = 0; d < dimension_; ++d) {
     const std::string kind = lower(kinds[d]);
     const bool unknown = kind == "???" || kind == "none";
@@ -373,7 +376,8 @@ const std::string* pair_of(const NrrdHeader& header, std::size_t segment, const 
 
 [[noreturn]] void bad_segment(const std::string& where, std::size_t segment, const std::string& key,
                               const std::string& value, const std::string& why) {
-  throw InputError(where, "its key Segment" + std::to_string(segment) + "_" + key + " is " + in_quotes(value) + ", " + why,
+  throw InputError(where,
+                   "its key Segment" + std::to_string(segment) + "_" + key + " is " + in_quotes(value) + ", " + why,
                    "export the segmentation again");
 }
 
@@ -393,7 +397,7 @@ std::array<std::int64_t, 6> read_extent(const std::string& text, std::size_t seg
 NrrdSegment read_segment(const NrrdHeader& header, std::size_t s, const std::string& where) {
   NrrdSegment segment;
   const std::string *name = pair_of(header, s, "Name"), *id = pair_of(header, s, "ID");
-  segment.name = name ? *name : *id;
+  segment.name = name ? *name : id ? *id : std::string();
   const std::string *value = pair_of(header, s, "LabelValue"), *layer = pair_of(header, s, "Layer");
   if (value && (!parse_number(*value, segment.value) || segment.value == 0))
     bad_segment(where, s, "LabelValue", *value, "not a number in 1 … 65535");
