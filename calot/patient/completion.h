@@ -27,9 +27,9 @@ struct CompletionOptions {
   double fat_low = -150, fat_high = -20;              ///< HU of fat
   double connective_low = -20, connective_high = 60;  ///< HU of connective tissue, within `connective_reach` of …
   double connective_reach = 2e-3;                     ///< … duct, artery and gallbladder
-  double triangle_reach = 8e-3;   ///< how far Calot's triangle reaches beyond the hull of its corners
+  double triangle_reach = 5e-3;   ///< how far Calot's triangle reaches beyond the surface between its sides
   double bed_thickness = 2.5e-3;  ///< of the layer between gallbladder and liver
-  double bed_reach = 8e-3;        ///< gap between gallbladder and liver that still counts as bed
+  double bed_reach = 5e-3;        ///< gap between gallbladder and liver that still counts as bed
 };
 
 /// One step and what it changed; for the log.

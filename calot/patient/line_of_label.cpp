@@ -120,7 +120,7 @@ Curve middle_path(const TubeBox& box) {
 
 /// Takes the last bit, which turns to the end's far corner, away and goes on straight to the end of the label.
 void straighten_end(Curve& line, const TubeBox& box, double radius) {
-  const auto cut = static_cast<std::size_t>(std::ceil(radius / step_length));
+  const auto cut = static_cast<std::size_t>(std::ceil(1.5 * radius / step_length));
   if (line.size() <= 3 * cut + 3) return;
   line.resize(line.size() - cut);
   const Vec3 direction = (line.back() - line[line.size() - 1 - 2 * cut]).normalized();
@@ -140,13 +140,16 @@ std::vector<double> radii_along(const Curve& line, const TubeBox& box, double vo
   std::vector<double> radii;
   const double half = box.spacing.minCoeff() / 2;
   for (const Vec3& p : line) radii.push_back(std::max(box.depth_at(p) - half, half));
+  // A cap's shallow end is no thinner tube: within a radius of the ends the depth a radius inside counts.
+  const double widest = *std::max_element(radii.begin(), radii.end());
+  const auto cap = std::min(static_cast<std::size_t>(std::ceil(1.2 * widest / step_length)), (radii.size() - 1) / 2);
   const std::size_t reach = 4;
   std::vector<double> even(radii.size());
-  for (std::size_t p = 0; p < radii.size(); ++p) {  // the largest near by: a cap's shallow end is no thinner tube
-    double most = 0;
-    for (std::size_t q = p < reach ? 0 : p - reach; q < std::min(radii.size(), p + reach + 1); ++q)
-      most = std::max(most, radii[q]);
-    even[p] = most;
+  for (std::size_t p = 0; p < radii.size(); ++p) {
+    const std::size_t middle = std::clamp(p, cap, radii.size() - 1 - cap);
+    const std::size_t begin = middle - std::min(middle - cap, reach);
+    const std::size_t end = std::min(middle + reach, radii.size() - 1 - cap) + 1;
+    for (std::size_t q = begin; q < end; ++q) even[p] += radii[q] / static_cast<double>(end - begin);
   }
   double swept = 0;
   for (std::size_t p = 1; p < line.size(); ++p)

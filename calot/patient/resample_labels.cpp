@@ -31,8 +31,9 @@ std::vector<float> signed_distance(const Mask& mask, const VoxelSize& size, cons
   return outside;
 }
 
-/// The level below which as many voxels lie as wanted, within ±`most`.
-float level_for_volume(const std::vector<float>& distance, double voxels, float most) {
+/// The level below which as many voxels lie as wanted, within ±`most`. Where many lie at one level, as along a straight
+/// thin tube, all or none of them do, whichever is nearer; with `at_least`, all.
+float level_for_volume(const std::vector<float>& distance, double voxels, float most, bool at_least) {
   constexpr std::size_t bins = 4096;
   std::vector<std::size_t> histogram(bins + 1, 0);
   std::size_t below = 0;
@@ -46,8 +47,8 @@ float level_for_volume(const std::vector<float>& distance, double voxels, float 
   for (std::size_t b = 0; b < bins; ++b) {
     const double next = sum + static_cast<double>(histogram[b]);
     if (next >= voxels) {
-      const double part = next > sum ? std::max(0.0, (voxels - sum) / (next - sum)) : 0.0;
-      return most * (2 * static_cast<float>(static_cast<double>(b) + part) / static_cast<float>(bins) - 1);
+      const bool all = at_least || next - voxels < voxels - sum;
+      return most * (2 * static_cast<float>(b + (all ? 1 : 0)) / static_cast<float>(bins) - 1);
     }
     sum = next;
   }
@@ -62,8 +63,7 @@ struct Nearest {
 void take(const std::vector<float>& distance, float level, Structure s, const VoxelBox& box, const VoxelGrid& grid,
           Nearest& nearest, WorkLabels& out) {
   for_voxels(box, grid.size, [&](std::size_t v, std::size_t b) {
-    const auto d =
-        static_cast<std::int16_t>(std::lround(std::clamp(1000 * (distance[b] - level), -32000.0f, 32000.0f)));
+    const auto d = static_cast<std::int16_t>(std::floor(std::clamp(1000 * (distance[b] - level), -32000.0f, 32000.0f)));
     if (d < nearest.first[v]) {
       nearest.second[v] = nearest.first[v];
       nearest.first[v] = d;
@@ -119,7 +119,8 @@ WorkLabels resample_labels(const WorkLabels& labels, const WorkingGrid& to, Prog
     if (target.empty()) continue;
     const std::vector<float> distance = interpolated(signed_distance(mask, box.size(), spacing), box, target, map);
     const float most = is_tube(s) ? 1.0f : 0.5f;
-    const float level = level_for_volume(distance, voxels * labels.grid.voxel_volume() / grid.voxel_volume(), most);
+    const float level =
+        level_for_volume(distance, voxels * labels.grid.voxel_volume() / grid.voxel_volume(), most, is_tube(s));
     take(distance, level, s, target, grid, nearest, out);
   }
   clear_outside(nearest, out);

@@ -112,7 +112,7 @@ Vec3 uphill(const std::vector<float>& d, const VoxelSize& n, std::size_t v) {
 
 bool lies_between(const OrganGap& gap, std::size_t b, double reach) {
   if (static_cast<double>(gap.to_sac[b] + gap.to_liver[b]) > reach) return false;
-  return uphill(gap.to_sac, gap.size, b).dot(uphill(gap.to_liver, gap.size, b)) < -0.5;
+  return uphill(gap.to_sac, gap.size, b).dot(uphill(gap.to_liver, gap.size, b)) < -0.8;
 }
 
 /// Where the two touch: twice the depth below the surface of the one, as seen from the other; empty elsewhere.
@@ -235,9 +235,17 @@ void add_segment(std::vector<Vec3>& points, const Vec3& a, const Vec3& b, double
     points.push_back(count > 0 ? Vec3(a + (b - a) * (static_cast<double>(n) / count)) : a);
 }
 
+double length_of(const std::vector<Vec3>& curve) {
+  double sum = 0;
+  for (std::size_t p = 1; p < curve.size(); ++p) sum += (curve[p] - curve[p - 1]).norm();
+  return sum;
+}
+
 /// Segments between equal shares of two curves.
 void add_ruled(std::vector<Vec3>& points, const std::vector<Vec3>& a, const std::vector<Vec3>& b, double step) {
-  const std::size_t count = 2 * std::max(a.size(), b.size());
+  const double width =
+      std::max((a.front() - b.front()).norm() + (a.back() - b.back()).norm(), length_of(a) + length_of(b));
+  const auto count = static_cast<std::size_t>(std::ceil(width / step)) + 1;
   const auto at = [&](const std::vector<Vec3>& curve, std::size_t n) {
     const double x = static_cast<double>(n) / static_cast<double>(count) * static_cast<double>(curve.size() - 1);
     const auto low = std::min(static_cast<std::size_t>(x), curve.size() - 1),
@@ -316,9 +324,12 @@ std::vector<Vec3> triangle_points(const WorkLabels& labels, const std::vector<Ce
   if (hepatic.empty()) return {};
   std::vector<Vec3> points;
   add_ruled(points, hepatic, duct, step);
-  const Gap liver = gap_to(labels, {Structure::liver}, (hepatic.back() + duct.back()) / 2);
-  if (liver.found && liver.distance <= 25e-3)
-    add_ruled(points, {centre_of(labels, liver.voxel)}, {hepatic.back(), duct.back()}, step);
+  const auto onto_liver = [&](const Vec3& place) {
+    const Gap gap = gap_to(labels, {Structure::liver}, place);
+    return gap.found && gap.distance <= 25e-3 ? centre_of(labels, gap.voxel) : place;
+  };
+  const Vec3 hilum = hepatic.back(), neck = duct.back();
+  add_ruled(points, {hilum, neck}, {onto_liver(hilum), onto_liver(neck)}, step);
   return points;
 }
 

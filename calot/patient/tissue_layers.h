@@ -5,7 +5,7 @@
 namespace calot {
 
 /// Fills the gap between gallbladder (or its wall) and liver: unlabelled voxels between the two (the ways to them lead
-/// in opposite directions, within 60°), where the gap is at most `bed_reach` wide, with HU of fat or connective tissue.
+/// in opposite directions, within 37°), where the gap is at most `bed_reach` wide, with HU of fat or connective tissue.
 /// Where the labels touch, as segmentations usually have them, a layer of `bed_thickness` is carved out of both: half
 /// from each, but less (a quarter, nothing) from a gallbladder that would lose more than 2 % of its volume. One part. A
 /// bed that is there already is kept; only what is empty between is added. A warning where there is none.
