@@ -153,7 +153,9 @@ double LiverForm::distance(const Vec3& p) const {
   const double drop = (b > 0 ? drop_right : drop_left) * b * b / (b * b + wide * wide);
   const double behind = std::min(q.dot(across.cross(down)) + bend_from, 0.0);
   const double dip = bend * behind * behind / (1 + b * b / (45 * mm * 45 * mm));
-  double d = smooth_max(dome(p), q.dot(down) - drop - dip, 7 * mm);
+  const double below = q.dot(down) - drop - dip;
+  if (below > 40 * mm) return below;  // far outside: the dome needn't be known
+  double d = smooth_max(dome(p), below, 7 * mm);
   d = smooth_min(d, caudate.distance(p), 10 * mm);
   const double far = std::min((p - hilum).norm() / (30 * mm), 1.0), near = 1 - far * far;
   d += hilum_shift * near * near;

@@ -36,6 +36,10 @@ double Superellipsoid::distance(const Vec3& p) const {
   const Vec3 x = (p - centre).cwiseAbs().cwiseQuotient(radii);
   const double largest = x.maxCoeff();
   if (largest < 1e-6) return -radii.minCoeff();
+  if (power == 2) {
+    const double norm = x.norm();
+    return (norm - 1) * norm / x.cwiseQuotient(radii).norm();
+  }
   Vec3 lower;  // scaled, so that no power overflows
   for (int d = 0; d < 3; ++d) lower[d] = std::pow(x[d] / largest, power - 1);
   const double sum = lower.dot(x) / largest;
