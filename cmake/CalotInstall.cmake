@@ -4,12 +4,12 @@ include(CMakePackageConfigHelpers)
 
 set(calot_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/calot)
 
-# Public headers keep their folders; those marked "Inside this room only" stay at home.
+# Public headers keep their folders; those marked "Inside this room only" or "Inside the library only" stay at home.
 function(calot_install_headers)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/calot/*.h)
   foreach(header IN LISTS headers)
     file(STRINGS ${PROJECT_SOURCE_DIR}/${header} first LIMIT_COUNT 1)
-    if(NOT first MATCHES "^// Inside this room only")
+    if(NOT first MATCHES "^// Inside (this room|the library) only")
       get_filename_component(folder ${header} DIRECTORY)
       install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/${folder})
     endif()

@@ -4,13 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 #include <set>
-#include <sstream>
 #include <toml.hpp>
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
+#include "calot/base/toml_file.h"
 #include "calot/mesh/mesh_file.h"
 
 namespace calot {
@@ -18,7 +17,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t size_limit = std::uint64_t{256} << 20;  // lists of supports can be long
-constexpr int nesting_limit = 64;                               // the parser recurses
 
 std::string number_text(double value) {
   std::array<char, 40> text;
@@ -26,127 +24,10 @@ std::string number_text(double value) {
   return {text.data(), end};
 }
 
-/// Number of insertions, deletions and replacements that turn a into b [Levenshtein1966].
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
-}
-
-/// A TOML file whose every complaint names file and line.
-class TomlFile {
- public:
-  explicit TomlFile(const fs::path& path) : path_(path), root_(parse(path)) {}
-
-  [[nodiscard]] const toml::value& root() const { return root_; }
-  [[nodiscard]] std::string file() const { return path_.string(); }
-  [[nodiscard]] std::string at(const toml::value& value) const { return at_line(file(), value.location().line()); }
-  [[noreturn]] void fail(const toml::value& value, const std::string& what, const std::string& what_to_do) const {
-    throw InputError(at(value), what, what_to_do);
-  }
-
-  /// Refuses keys that nobody reads; the first in the file is named, with the nearest known one.
-  void allow_only(const toml::value& table, const std::vector<std::string>& known) const {
-    const toml::value* first = nullptr;
-    std::string unknown;
-    for (const auto& [key, value] : table.as_table()) {
-      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-      if (first != nullptr && first->location().line() <= value.location().line()) continue;
-      first = &value;
-      unknown = key;
-    }
-    if (first == nullptr) return;
-    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-      return edit_distance(unknown, a) < edit_distance(unknown, b);
-    });
-    std::string list;
-    for (const std::string& key : known) list += (list.empty() ? "" : ", ") + key;
-    const bool close = edit_distance(unknown, *nearest) <= 1 + unknown.size() / 3;
-    fail(*first, "unknown key \"" + unknown + "\"", close ? "did you mean " + *nearest + "?" : "known keys: " + list);
-  }
-
-  /// The value of a key, or nullptr.
-  static const toml::value* find(const toml::value& table, const std::string& key) {
-    const auto& entries = table.as_table();
-    const auto found = entries.find(key);
-    return found == entries.end() ? nullptr : &found->second;
-  }
-  const toml::value& need(const toml::value& table, const std::string& key, const std::string& example) const {
-    if (const toml::value* value = find(table, key)) return *value;
-    fail(table, "\"" + key + "\" is missing", "add e.g. " + key + " = " + example);
-  }
-
-  double number(const toml::value& value, const std::string& name) const {
-    double number = 0;
-    if (value.is_integer())
-      number = static_cast<double>(value.as_integer());
-    else if (value.is_floating())
-      number = value.as_floating();
-    else
-      fail(value, name + " must be a number", "write e.g. 1.5");
-    if (!std::isfinite(number)) fail(value, name + " is not a finite number", "give a finite number");
-    return number;
-  }
-  const std::string& text(const toml::value& value, const std::string& name) const {
-    if (!value.is_string()) fail(value, name + " must be text", "write it in quotes");
-    return value.as_string().str;
-  }
-  const std::vector<toml::value>& array(const toml::value& value, const std::string& name) const {
-    if (!value.is_array()) fail(value, name + " must be a list", "write it in [ ]");
-    return value.as_array();
-  }
-  /// The tables of [[name]]; none if there is no such key.
-  [[nodiscard]] std::vector<toml::value> tables(const std::string& name) const {
-    const toml::value* value = find(root_, name);
-    if (value == nullptr) return {};
-    const bool fits = value->is_array() && std::all_of(value->as_array().begin(), value->as_array().end(),
-                                                       [](const toml::value& entry) { return entry.is_table(); });
-    if (!fits) fail(*value, name + " must be a list of tables", "write [[" + name + "]]");
-    return value->as_array();
-  }
-
- private:
-  static toml::value parse(const fs::path& path) {
-    const std::string bytes = read_file(path, size_limit);
-    int depth = 0;
-    for (const char c : bytes) {
-      if (c == '[' || c == '{') ++depth;
-      if (c == ']' || c == '}') --depth;
-      if (depth > nesting_limit) throw InputError(path.string(), "is nested too deeply", "check its brackets");
-    }
-    std::istringstream in(bytes);
-    try {
-      return toml::parse(in, path.string());
-    } catch (const toml::exception& wrong) {
-      throw InputError(at_line(path.string(), wrong.location().line()), first_line(wrong.what()), "see toml.io");
-    } catch (const std::exception& wrong) {
-      throw InputError(path.string(), first_line(wrong.what()), "see toml.io");
-    }
-  }
-  /// The parser draws a picture of the place below its first line, and begins with the name of its own function.
-  static std::string first_line(const std::string& message) {
-    std::string line = "not TOML: " + message.substr(0, message.find('\n'));
-    for (const std::string noise : {"[error] ", "toml::"})
-      if (const auto place = line.find(noise); place != std::string::npos) line.erase(place, noise.size());
-    return line;
-  }
-
-  fs::path path_;
-  toml::value root_;
-};
-
 /// The model as the file builds it up.
 class ModelReader {
  public:
-  explicit ModelReader(const fs::path& path) : toml_(path) {}
+  explicit ModelReader(const fs::path& path) : toml_(path, size_limit) {}
 
   Model read() {
     const toml::value& root = toml_.root();
@@ -163,12 +44,12 @@ class ModelReader {
     check_support(dynamics);
     return {std::move(mesh_),  std::move(materials_),
             std::move(fixed_), dynamics,
-            total_mass,        {fs::path(toml_.file()), mesh_path_, sha256_of_file(mesh_path_)}};
+            total_mass,        {toml_.path(), mesh_path_, sha256_of_file(mesh_path_)}};
   }
 
  private:
   double read_non_negative(const std::string& key, double otherwise) const {
-    const toml::value* value = TomlFile::find(toml_.root(), key);
+    const toml::value* value = detail::TomlFile::find(toml_.root(), key);
     if (value == nullptr) return otherwise;
     const double number = toml_.number(*value, key);
     if (number < 0) toml_.fail(*value, key + " = " + number_text(number) + " is negative", "give a number ≥ 0");
@@ -180,7 +61,7 @@ class ModelReader {
     dynamics.time_step = read_non_negative("time_step", dynamics.time_step);
     dynamics.rayleigh_mass = read_non_negative("rayleigh_mass", 0);
     dynamics.rayleigh_stiffness = read_non_negative("rayleigh_stiffness", 0);
-    if (const toml::value* value = TomlFile::find(toml_.root(), "mass_lumping")) {
+    if (const toml::value* value = detail::TomlFile::find(toml_.root(), "mass_lumping")) {
       const std::string& name = toml_.text(*value, "mass_lumping");
       if (name != "element" && name != "uniform")
         toml_.fail(*value, "unknown mass_lumping \"" + name + "\"", "use \"element\" or \"uniform\"");
@@ -190,7 +71,7 @@ class ModelReader {
   }
 
   [[nodiscard]] std::optional<double> read_total_mass(const Dynamics& dynamics) const {
-    const toml::value* value = TomlFile::find(toml_.root(), "total_mass");
+    const toml::value* value = detail::TomlFile::find(toml_.root(), "total_mass");
     if (value == nullptr) return {};
     if (dynamics.mass_lumping != MassLumping::uniform)
       toml_.fail(*value, "total_mass needs mass_lumping = \"uniform\"", "leave it out or change mass_lumping");
@@ -201,9 +82,9 @@ class ModelReader {
 
   void read_mesh_file() {
     const toml::value& name = toml_.need(toml_.root(), "mesh", "\"organ.msh\"");
-    if (const toml::value* unit = TomlFile::find(toml_.root(), "length_unit"))
+    if (const toml::value* unit = detail::TomlFile::find(toml_.root(), "length_unit"))
       metres_ = metres_per(unit_ = toml_.text(*unit, "length_unit"), toml_.at(*unit));
-    mesh_path_ = fs::path(toml_.file()).parent_path() / toml_.text(name, "mesh");
+    mesh_path_ = toml_.path().parent_path() / toml_.text(name, "mesh");
     std::error_code code;
     if (!fs::is_regular_file(mesh_path_, code))
       toml_.fail(name, "no mesh file " + mesh_path_.string(), "name it relative to the model file");
@@ -212,7 +93,7 @@ class ModelReader {
   }
 
   void name_regions() {
-    const toml::value* names = TomlFile::find(toml_.root(), "region_names");
+    const toml::value* names = detail::TomlFile::find(toml_.root(), "region_names");
     if (names == nullptr) return;
     if (!names->is_table()) toml_.fail(*names, "region_names must be a table", "write { 2 = \"liver\" }");
     for (const auto& [key, value] : names->as_table()) {
@@ -242,7 +123,7 @@ class ModelReader {
     if (material.poisson <= -1 || material.poisson >= 0.5)
       toml_.fail(poisson, "poisson = " + number_text(material.poisson) + " must lie between -1 and 0.5",
                  "use e.g. 0.45 for soft tissue");
-    if (const toml::value* density = TomlFile::find(table, "density")) {
+    if (const toml::value* density = detail::TomlFile::find(table, "density")) {
       material.density = toml_.number(*density, "density");
       if (material.density <= 0)
         toml_.fail(*density, "density = " + number_text(material.density) + " must be > 0 kg/m3", "use e.g. 1000");
@@ -254,7 +135,7 @@ class ModelReader {
     for (const std::int32_t region : present_) {
       if (materials_.contains(region)) continue;
       const auto name = mesh_.region_names.find(region);
-      throw InputError(toml_.file(),
+      throw InputError(toml_.path().string(),
                        "region " + std::to_string(region) +
                            (name == mesh_.region_names.end() ? "" : " (" + name->second + ")") + " has no material",
                        "add a [[material]] for it or for \"*\"");
@@ -265,9 +146,9 @@ class ModelReader {
     toml_.allow_only(table, {"vertices", "box", "region"});
     if (table.as_table().size() != 1)
       toml_.fail(table, "a [[fixed]] needs one of vertices, box and region", "write a [[fixed]] for each");
-    if (const toml::value* vertices = TomlFile::find(table, "vertices")) fix_vertices(*vertices);
-    if (const toml::value* box = TomlFile::find(table, "box")) fix_box(*box);
-    if (const toml::value* region = TomlFile::find(table, "region")) fix_region(*region);
+    if (const toml::value* vertices = detail::TomlFile::find(table, "vertices")) fix_vertices(*vertices);
+    if (const toml::value* box = detail::TomlFile::find(table, "box")) fix_box(*box);
+    if (const toml::value* region = detail::TomlFile::find(table, "region")) fix_region(*region);
   }
 
   void fix_vertices(const toml::value& list) {
@@ -326,8 +207,8 @@ class ModelReader {
     const std::vector<std::uint8_t> used = used_vertices();
     for (std::size_t v = 0; v < used.size(); ++v)
       if (used[v] != 0 && fixed_[v] != 0) return;
-    toml_.fail(*TomlFile::find(toml_.root(), "time_step"), "a static model (time_step = 0) needs fixed vertices",
-               "add a [[fixed]] or a time_step > 0");
+    toml_.fail(*detail::TomlFile::find(toml_.root(), "time_step"),
+               "a static model (time_step = 0) needs fixed vertices", "add a [[fixed]] or a time_step > 0");
   }
 
   [[nodiscard]] std::vector<std::uint8_t> used_vertices() const {
@@ -344,7 +225,7 @@ class ModelReader {
     return text.str();
   }
 
-  TomlFile toml_;
+  detail::TomlFile toml_;
   fs::path mesh_path_;
   std::string unit_ = "m";
   double metres_ = 1;

@@ -9,7 +9,7 @@
 #include "calot/patient/centreline_file.h"
 #include "calot/patient/import_options.h"
 #include "calot/patient/json_file.h"
-#include "calot/patient/toml_file.h"
+#include "calot/base/toml_file.h"
 
 namespace calot {
 namespace {

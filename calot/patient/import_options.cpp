@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "calot/base/error.h"
-#include "calot/patient/toml_file.h"
+#include "calot/base/toml_file.h"
 
 namespace calot {
 namespace {

@@ -5,17 +5,16 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
 #include "calot/mesh/mesh_file.h"
+#include "calot/patient/quality_json.h"
 
 namespace calot {
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr double mm = 1e-3;
 
 /// Lower case, with spaces for everything that isn't a letter or a digit: "Common_Bile-Duct" is "common bile duct".
@@ -152,39 +151,6 @@ void write_model(std::ostream& out, const LabelMesh& meshed, const std::string& 
   write_supports(out, choose_support(meshed));
 }
 
-Json quality_json(const Quality& q) {
-  return {{"vertices", q.vertices},
-          {"tets", q.tets},
-          {"min_dihedral_deg", q.min_dihedral},
-          {"max_dihedral_deg", q.max_dihedral},
-          {"min_edge_mm", q.min_edge / mm},
-          {"mean_edge_mm", q.mean_edge / mm},
-          {"max_edge_mm", q.max_edge / mm},
-          {"min_radius_ratio", q.min_radius_ratio},
-          {"volume_ml", q.volume * 1e6}};
-}
-
-Json report(const LabelMesh& meshed, const std::string& source) {
-  Json json{{"source", source},
-            {"mesh", quality_json(meshed.quality)},
-            {"outer_surface_closed_manifold", meshed.outer.closed_manifold()},
-            {"meshes_made", meshed.tries},
-            {"notes", meshed.notes},
-            {"regions", Json::array()}};
-  for (const MeshedRegion& region : meshed.regions) {
-    Json entry{{"label", region.label},
-               {"name", region.name},
-               {"voxels", region.voxels},
-               {"specks", region.specks},
-               {"voxels_moved", region.moved_voxels},
-               {"voxel_volume_ml", region.voxel_volume * 1e6},
-               {"volume_error", region.quality.volume / region.voxel_volume - 1}};
-    entry.update(quality_json(region.quality));
-    json["regions"].push_back(entry);
-  }
-  return json;
-}
-
 }  // namespace
 
 Support choose_support(const LabelMesh& meshed) {
@@ -221,7 +187,7 @@ void write_label_mesh(const std::filesystem::path& folder, const LabelMesh& mesh
   write_mesh(folder / "mesh.vtu", scaled);
   for (std::size_t r = 0; r < meshed.regions.size(); ++r)
     write_surface(folder / files[2 + r], region_surface(scaled, meshed.regions[r].label));
-  write_file(folder / "quality.json", [&](std::ostream& out) { out << report(meshed, source).dump(2) << '\n'; });
+  write_file(folder / "quality.json", [&](std::ostream& out) { out << detail::mesh_report(meshed, source).dump(2) << '\n'; });
   write_file(folder / "model.toml", [&](std::ostream& out) { write_model(out, meshed, source); });
 }
 

@@ -5,7 +5,7 @@
 
 #include "calot/base/error.h"
 #include "calot/patient/patient.h"
-#include "calot/patient/toml_file.h"
+#include "calot/base/toml_file.h"
 
 namespace calot::detail {
 

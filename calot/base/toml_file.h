@@ -1,12 +1,11 @@
-// Inside this room only: TOML files whose every complaint names file and line, and text that reads back.
+// Inside the library only: TOML files whose every complaint names file and line, and text that reads back.
 #pragma once
+#include <Eigen/Core>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <toml.hpp>
 #include <vector>
-
-#include "calot/mesh/tet_mesh.h"
 
 namespace calot::detail {
 
@@ -41,7 +40,7 @@ class TomlFile {
   [[nodiscard]] const std::string& text(const toml::value& value, const std::string& name) const;
   [[nodiscard]] const std::vector<toml::value>& array(const toml::value& value, const std::string& name) const;
   /// Three numbers.
-  [[nodiscard]] Vec3 point(const toml::value& value, const std::string& name) const;
+  [[nodiscard]] Eigen::Vector3d point(const toml::value& value, const std::string& name) const;
 
  private:
   std::filesystem::path path_;
@@ -63,6 +62,6 @@ std::string short_number(double value);
 /// A length as millimetres, to the nanometre: "12.5", "-0.000017".
 std::string toml_mm(double metres);
 /// "[1.0, 2.5, -3.0]", in millimetres.
-std::string toml_mm(const Vec3& metres);
+std::string toml_mm(const Eigen::Vector3d& metres);
 
 }  // namespace calot::detail

@@ -1,4 +1,4 @@
-#include "calot/patient/toml_file.h"
+#include "calot/base/toml_file.h"
 
 #include <algorithm>
 #include <array>
@@ -153,10 +153,10 @@ const std::vector<toml::value>& TomlFile::array(const toml::value& value, const 
   return value.as_array();
 }
 
-Vec3 TomlFile::point(const toml::value& value, const std::string& name) const {
+Eigen::Vector3d TomlFile::point(const toml::value& value, const std::string& name) const {
   const std::vector<toml::value>& list = array(value, name);
   if (list.size() != 3) fail(value, name + " needs three numbers", "write [x, y, z]");
-  Vec3 point;
+  Eigen::Vector3d point;
   for (std::size_t axis = 0; axis < 3; ++axis) point[static_cast<int>(axis)] = number(list[axis], name);
   return point;
 }
@@ -218,7 +218,7 @@ std::string toml_mm(double metres) {
   return out == "-0.0" ? "0.0" : out;
 }
 
-std::string toml_mm(const Vec3& metres) {
+std::string toml_mm(const Eigen::Vector3d& metres) {
   std::string out = "[";
   for (int axis = 0; axis < 3; ++axis) out += (axis == 0 ? "" : ", ") + toml_mm(metres[axis]);
   return out + "]";
