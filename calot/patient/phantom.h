@@ -30,8 +30,8 @@ struct PhantomOptions {
   std::uint64_t seed = 1;
   PhantomVariant variant = PhantomVariant::usual;
   double voxel = 0.7e-3;  ///< edge of the (cubic) voxels [m], 0.3e-3 … 1.0e-3
-  /// A whole abdominal CT of so many voxels over the torso (columns, rows, slices), instead of cubic voxels close around
-  /// the liver.
+  /// A whole abdominal CT of so many voxels over the torso (columns, rows, slices), instead of cubic voxels close
+  /// around the liver.
   std::optional<std::array<std::size_t, 3>> matrix = {};
 };
 
@@ -49,7 +49,7 @@ struct PhantomFacts {
 struct Phantom {
   LabelMap labels;
   CtImage ct;                     ///< on the labels' grid, with noise and partial volume
-  std::vector<Centreline> lines;  ///< of every tube, named as structures
+  std::vector<Centreline> lines;  ///< of every tube, named as structures, along the flow
   PhantomFacts facts;
 };
 
@@ -59,8 +59,8 @@ struct Phantom {
 /// phantom on any number of threads. Throws InputError for options out of range.
 Phantom make_phantom(const PhantomOptions& options, Progress& progress);
 
-/// The biliary tree alone, in fat: gallbladder, cystic duct and common bile duct (with the common hepatic duct above the
-/// junction under the same label), labels 2, 3, 4, as in the published experiments that Calot starts from.
+/// The biliary tree alone, in fat: gallbladder, cystic duct and common bile duct (with the common hepatic duct above
+/// the junction under the same label), labels 2, 3, 4, as in the published experiments that Calot starts from.
 /// @param voxel  edge of a voxel [m], 0.3e-3 … 0.7e-3 (the thinnest duct, 2.4 mm, needs 3.5 voxels or more)
 Phantom make_biliary_tree(std::uint64_t seed, double voxel = 0.6e-3, Progress* progress = nullptr);
 
