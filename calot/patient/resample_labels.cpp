@@ -31,6 +31,30 @@ std::vector<float> signed_distance(const Mask& mask, const VoxelSize& size, cons
   return outside;
 }
 
+/// Takes the voxels' steps out of a distance: a binomial filter (σ = 1 voxel) along each axis. What it takes from round
+/// bodies the level for their volume gives back.
+void soften(std::vector<float>& distance, const VoxelSize& size) {
+  constexpr std::array<float, 5> weight{1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
+  std::size_t stride = 1;
+  for (std::size_t axis = 0; axis < 3; stride *= size[axis++]) {
+    const std::vector<float> before = distance;
+    const auto last = static_cast<std::ptrdiff_t>(size[axis]) - 1;
+    parallel_blocks(distance.size(), 1u << 14, [&](std::size_t begin, std::size_t end, std::size_t) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const auto at = static_cast<std::ptrdiff_t>(v / stride % size[axis]);
+        float sum = 0;
+        for (std::ptrdiff_t n = -2; n <= 2; ++n) {
+          const std::ptrdiff_t moved = std::clamp<std::ptrdiff_t>(at + n, 0, last) - at;
+          sum += weight[static_cast<std::size_t>(n + 2)] *
+                 before[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(v) +
+                                                 moved * static_cast<std::ptrdiff_t>(stride))];
+        }
+        distance[v] = sum;
+      }
+    });
+  }
+}
+
 /// The level below which as many voxels lie as wanted, within ±`most`. Where many lie at one level, as along a straight
 /// thin tube, all or none of them do, whichever is nearer; with `at_least`, all.
 float level_for_volume(const std::vector<float>& distance, double voxels, float most, bool at_least) {
@@ -104,6 +128,8 @@ WorkLabels resample_labels(const WorkLabels& labels, const WorkingGrid& to, Prog
   const AxisMap map(labels.grid, grid);
   if (to.same_voxels) return same_voxels(labels, grid, map);
   const Vec3 spacing = labels.grid.spacing();
+  const bool coarse_cubes =  // thick slices have other steps, which `stretched` takes care of
+      spacing.minCoeff() > 1.8 * grid.spacing().maxCoeff() && spacing.maxCoeff() < 1.5 * spacing.minCoeff();
   WorkLabels out{grid, std::vector<std::uint8_t>(grid.count(), 0)};
   Nearest nearest{std::vector<std::int16_t>(grid.count(), far), std::vector<std::int16_t>(grid.count(), far)};
   const std::array<VoxelBox, 256> boxes = boxes_of(labels.voxels, labels.grid.size);
@@ -117,7 +143,9 @@ WorkLabels resample_labels(const WorkLabels& labels, const WorkingGrid& to, Prog
     const auto voxels = static_cast<double>(std::count(mask.begin(), mask.end(), 1));
     const VoxelBox target = map.covered(own);
     if (target.empty()) continue;
-    const std::vector<float> distance = interpolated(signed_distance(mask, box.size(), spacing), box, target, map);
+    std::vector<float> coarse = signed_distance(mask, box.size(), spacing);
+    if (coarse_cubes && !is_tube(s)) soften(coarse, box.size());  // tubes may be two voxels wide
+    const std::vector<float> distance = interpolated(coarse, box, target, map);
     const float most = is_tube(s) ? 1.0f : 0.5f;
     const float level =
         level_for_volume(distance, voxels * labels.grid.voxel_volume() / grid.voxel_volume(), most, is_tube(s));

@@ -52,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"young = ", "yuong = ", 11, {"yuong", "did you mean young?"}},
         Mistake{"rayleigh_mass", "raleigh_mass", 5, {"did you mean rayleigh_mass?"}},
-        Mistake{"time_step", "colour = 3\ntime_step", 4, {"unknown key \"colour\"", "known keys"}},
+        Mistake{"time_step", "colour = 3\ntime_step", 4, {"unknown key \"colour\"", "there are: mesh"}},
         Mistake{"box =", "boxes =", 16, {"did you mean box?"}}, Mistake{"min =", "minimum =", 16, {"unknown key"}},
         Mistake{"mesh = \"organ.msh\"", "", 1, {"\"mesh\" is missing"}},
         Mistake{"young = 1.0e6\n", "", 9, {"\"young\" is missing"}},
