@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <span>
 
 #include "bench/benchmarks.h"
 #include "calot/base/error.h"
@@ -114,7 +115,7 @@ std::string line_of(const Member& m) {
   return line;
 }
 
-void write_table(const fs::path& path, const std::vector<Member>& members) {
+void write_table(const fs::path& path, std::span<const Member> members) {
   write_file(path, [&](std::ostream& out) {
     out << "| seed | variant | liver mL | gallbladder mL | duct mm | fat mL | duct mL | duct volume off % | worst "
            "volume "
@@ -144,6 +145,7 @@ std::vector<Row> bench_cohort(const BenchOptions& options) {
   std::vector<Member> members = cohort();
   double failed = 0, errors = 0, worst_duct = 0, worst = 0, flattest = 180, widest = 0, most_tets = 0;
   std::vector<double> seconds;
+  std::size_t done = 0;
   for (Member& member : members) {
     try {
       go_through(scratch.path(), member, progress);
@@ -154,7 +156,8 @@ std::vector<Row> bench_cohort(const BenchOptions& options) {
     }
     failed += member.failure.empty() ? 0 : 1;
     errors += static_cast<double>(member.errors);
-    if (!options.output.empty()) write_table(options.output / "cohort.md", members);
+    ++done;
+    if (!options.output.empty()) write_table(options.output / "cohort.md", std::span(members).first(done));
     if (!member.failure.empty()) continue;
     worst_duct = std::max(worst_duct, std::abs(member.duct_volume_error));
     worst = std::max(worst, std::abs(member.peak_volume_error));

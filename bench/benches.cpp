@@ -12,6 +12,8 @@ const std::vector<Bench>& benches() {
       {"figure4", "the paper's figure 4: recomputed, paper and exact displacement, and how far they differ",
        bench_figure4},
       {"figure5", "the paper's figure 5: time to recompute and to update, six sizes of mesh", bench_figure5},
+      {"patient", "from a CT of 512 x 512 x 300 voxels to a patient's folder", bench_patient},
+      {"cohort", "twenty phantoms and every variant from CT to a checked folder, with a table", bench_cohort},
   };
   return all;
 }

@@ -33,10 +33,14 @@ vertex_farthest_along() {
 }
 
 mkdir -p "$out"
-run "A patient: the biliary tree of an adult, made from published measurements" phantom --tree -o "$out/patient" --seed 1
-run "Its mesh, as large as the paper's" mesh "$out/patient/labels.nii.gz" -o "$out/organ" --vertices 2442 --refine "cystic duct:1.2"
+run "A synthetic patient: CT, labels and centrelines, made from published measurements" phantom -o "$out/scan" --seed 1
+run "From CT to a patient that can be operated on" patient "$out/scan/ct.nii.gz" "$out/scan/labels.nii.gz" \
+  --ducts "$out/scan/ducts.mrk.json" -o "$out/patient"
 
-plane=$(plane_across_duct "$out/patient/ducts.mrk.json")
+run "The biliary tree alone, as in the paper" phantom --tree -o "$out/tree" --seed 1
+run "Its mesh, as large as the paper's" mesh "$out/tree/labels.nii.gz" -o "$out/organ" --vertices 2442 --refine "cystic duct:1.2"
+
+plane=$(plane_across_duct "$out/tree/ducts.mrk.json")
 fundus=$(vertex_farthest_along "$out/organ/mesh.msh" 0.40 0.62 -0.68)
 cut=(--plane "$plane" --region "cystic duct" --clean)
 
@@ -51,6 +55,8 @@ compared() { awk -F , -v method="$1" -v column="$2" '$1 == method { printf "%.3g
 cat >"$out/README.txt" <<TEXT
 What one sees
 
+patient/preview.png        A synthetic patient from CT to an operable abdomen: organs, ports, clips, Calot's triangle, CT slices.
+                           patient/patient.toml is meant to be read and changed.
 organ/preview.png          The synthetic patient's gallbladder, cystic duct and common bile duct as a tetrahedral mesh.
 comparison/compare.png     The organ after its cystic duct was cut and the fundus lifted with 0.3 N; displacements are
                            magnified as the caption says. Blue is the truth: everything computed anew for the cut organ.

@@ -33,9 +33,16 @@ H5Handle text_type() {
   return type;
 }
 
+/// How an object is made: without the time, so that the same content gives the same bytes.
+H5Handle creation(hid_t kind) {
+  H5Handle list(H5Pcreate(kind), H5Pclose);
+  H5Pset_obj_track_times(list.get(), false);
+  return list;
+}
+
 /// Checksummed chunks; a matrix is read and written once, so chunks are not kept.
 H5Handle chunked(std::initializer_list<hsize_t> chunk) {
-  H5Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Handle list = creation(H5P_DATASET_CREATE);
   H5Pset_chunk(list.get(), static_cast<int>(chunk.size()), std::data(chunk));
   H5Pset_fletcher32(list.get());
   return list;
@@ -106,7 +113,8 @@ void H5Writer::attribute_of(const char* object, const char* key, const std::stri
 }
 
 void H5Writer::group(const char* path) {
-  const H5Handle made(H5Gcreate2(file_.get(), path, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const H5Handle list = creation(H5P_GROUP_CREATE);
+  const H5Handle made(H5Gcreate2(file_.get(), path, H5P_DEFAULT, list.get(), H5P_DEFAULT), H5Gclose);
   need(made.valid());
 }
 
@@ -115,8 +123,7 @@ void H5Writer::write_vector(const char* path, hid_t file_type, hid_t memory_type
   constexpr std::size_t longest_chunk = std::size_t{1} << 18;
   const H5Handle space = space_of({count});
   // Nothing can't be cut into chunks.
-  const H5Handle layout =
-      count == 0 ? H5Handle(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) : chunked({std::min(count, longest_chunk)});
+  const H5Handle layout = count == 0 ? creation(H5P_DATASET_CREATE) : chunked({std::min(count, longest_chunk)});
   const H5Handle dataset(H5Dcreate2(file_.get(), path, file_type, space.get(), H5P_DEFAULT, layout.get(), H5P_DEFAULT),
                          H5Dclose);
   need(dataset.valid());

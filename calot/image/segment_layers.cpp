@@ -25,7 +25,7 @@ ToReference::ToReference(const VoxelGrid& from, const SegmentationOptions& optio
   }
   if (!options.resample)
     throw InputError(where, "is on another grid than the CT: CT and labels have " + difference,
-                     "export it on the CT's grid, or allow it to be resampled");
+                     "export it on the CT's grid, or give --resample-labels");
   notes.push_back("resampled onto the CT's grid by the nearest voxel: " + difference);
 }
 

@@ -88,6 +88,7 @@ class Search {
   struct Candidate {
     TetMesh mesh;
     double worst_volume = 0, min_dihedral = 0, max_dihedral = 0;  // relative; degrees
+    bool whole = true;                                            // no region lost all its tets
     std::vector<std::string> notes;
   };
   [[nodiscard]] std::size_t region_of(const Refinement& refinement) const;
@@ -124,6 +125,7 @@ class Search {
   std::vector<bool> fixed_;
   std::vector<Point> history_;
   std::vector<std::string> notes_;
+  std::optional<std::size_t> lost_;  // a region that the last mesh had no tet of
   int tries_ = 0;
 };
 
@@ -181,6 +183,7 @@ Search::Candidate Search::attempt(double factor, bool mend) {
 
 /// Moves each region's boundary by what its volume lacks. Returns whether nothing is left to be gained that way.
 bool Search::shift_boundaries(Candidate& candidate) {
+  lost_.reset();
   const TetMesh& mesh = candidate.mesh;
   std::vector<double> volume(wanted_volume_.size(), 0.0);
   for (std::size_t t = 0; t < mesh.tet_count(); ++t)
@@ -189,6 +192,10 @@ bool Search::shift_boundaries(Candidate& candidate) {
   for (std::size_t r = 0; r < volume.size(); ++r) {
     const double lack = (wanted_volume_[r] - volume[r]) / wanted_volume_[r];
     candidate.worst_volume = std::max(candidate.worst_volume, std::abs(lack));
+    if (!(volume[r] > 0)) {
+      candidate.whole = false;
+      lost_ = r;
+    }
     if (tries_ > 2 * options_.tries / 3) continue;  // later, only the count is searched for
     // Surface = 4 volume / thickness, so the boundary must move by lack · thickness / 4 [voxels], over which the
     // smoothed field falls by about two thirds; a shift is a difference of two fields, so it counts twice.
@@ -259,6 +266,10 @@ bool Search::better(const Candidate& a, const Candidate& b) const {
 }
 
 void Search::report_failure() const {
+  if (lost_)
+    throw FailedError("mesh",
+                      text("label %d is too thin for these sizes: no tet was left of it", field_.labels()[*lost_]),
+                      "ask for more tets or vertices, refine it, or give a label map with smaller voxels");
   const Point* nearest = &history_.front();
   const double goal = std::log(wanted());
   for (const Point& p : history_)
@@ -283,7 +294,7 @@ TetMesh Search::run() {
     const bool settled = shift_boundaries(candidate);
     const bool closed = check_manifold(boundary_surface(candidate.mesh)).closed_manifold();
     history_.push_back({log_factor, std::log(std::max(reached, 1.0))});
-    const bool usable = near && closed && counts_match(reached, 1);
+    const bool usable = near && closed && candidate.whole && counts_match(reached, 1);
     const bool good = (settled || candidate.worst_volume <= 0.02) && sound(candidate);
     if (usable && (!best || better(candidate, *best))) best = std::move(candidate);
     if (usable && good) break;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "calot/base/error.h"
 #include "calot/base/parallel.h"
 #include "calot/image/distance_map.h"
+#include "calot/patient/line_of_label.h"
 #include "calot/patient/shape_interpolation.h"
 
 namespace calot {
@@ -70,10 +72,20 @@ WorkingGrid resampled_grid(const VoxelGrid& source, const Eigen::AlignedBox3d& b
   return chosen;
 }
 
-double thinnest_radius(const std::vector<Centreline>& lines) {
+/// Of the lines, and of the tubes that are given as labels only: those by their mean, because radii found in a few
+/// voxels waver.
+double thinnest_radius(const WorkLabels& labels, const std::vector<Centreline>& lines) {
   double radius = 1;
   for (const Centreline& line : lines)
     for (const double r : line.radii) radius = std::min(radius, r);
+  const std::array<VoxelBox, 256> boxes = boxes_of(labels.voxels, labels.grid.size);
+  for (const Structure s : all_structures()) {
+    const bool drawn = std::any_of(lines.begin(), lines.end(),
+                                   [&](const Centreline& line) { return structure_named(line.name) == s; });
+    if (!is_tube(s) || drawn || boxes[label_of(s)].empty()) continue;
+    const std::vector<double> radii = line_of_label(labels, s).radii;
+    radius = std::min(radius, std::accumulate(radii.begin(), radii.end(), 0.0) / static_cast<double>(radii.size()));
+  }
   return radius;
 }
 
@@ -86,7 +98,7 @@ WorkingGrid choose_working_grid(const WorkLabels& labels, const VoxelGrid& sourc
   const Eigen::AlignedBox3d box = region(labels, source, lines, options.margin);
   double spacing = good ? own.maxCoeff() : options.spacing;
   std::string why = good ? "the CT's own voxels" : "as asked for";
-  const double thin = 2 * thinnest_radius(lines), need = std::max(finest, thin / 2.2);
+  const double thin = 2 * thinnest_radius(labels, lines), need = std::max(finest, thin / 2.2);
   if (need < spacing * (1 - 1e-9)) {
     spacing = need;
     why = text_of("for a tube that is %.2g mm wide", 1e3 * thin);

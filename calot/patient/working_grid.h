@@ -12,8 +12,8 @@ struct WorkingGrid {
 };
 
 /// Chooses the grid: the source's own voxels where they are isotropic (5 %) and at most 1 mm, else `options.spacing`;
-/// finer (0.4 mm at the finest, and no more than 80 million voxels) where the thinnest line needs it to be 2.2 voxels
-/// wide. It covers labels and lines with `options.margin` around, within the source's volume.
+/// finer (0.4 mm at the finest, and no more than 80 million voxels) where the thinnest tube, drawn or labelled, needs
+/// it to be 2.2 voxels wide. It covers labels and lines with `options.margin` around, within the source's volume.
 WorkingGrid choose_working_grid(const WorkLabels& labels, const VoxelGrid& source, const std::vector<Centreline>& lines,
                                 const CompletionOptions& options);
 
