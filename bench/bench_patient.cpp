@@ -4,8 +4,8 @@
 #include <cstdio>
 
 #include "bench/benchmarks.h"
-#include "calot/base/files.h"
 #include "calot/base/memory.h"
+#include "calot/image/ct_file.h"
 #include "calot/patient/make_patient.h"
 #include "calot/patient/phantom.h"
 
@@ -38,7 +38,10 @@ std::vector<Row> bench_patient(const BenchOptions& options) {
     request.labels = folder / "labels.nii.gz";
     request.centrelines = {folder / "ducts.mrk.json"};
     request.name = "phantom 1";
-    const double reading_hash = seconds_of([&] { (void)sha256_of_file(request.ct); });
+    const double reading = seconds_of([&] {
+      (void)read_ct(request.ct, progress);
+      (void)read_label_map(request.labels);
+    });
     const double seconds = seconds_of([&] {
       const MadePatient made = make_patient(request, {}, progress);
       write_patient(folder / "patient", made.patient, made.meshed, made.anatomy, made.provenance);
@@ -47,8 +50,8 @@ std::vector<Row> bench_patient(const BenchOptions& options) {
     rows.push_back({.name = "patient.512",
                     .value = seconds,
                     .unit = "s",
-                    .baseline = "SHA-256 of the CT file",
-                    .ratio = seconds / reading_hash,
+                    .baseline = "reading the CT and the labels alone",
+                    .ratio = seconds / reading,
                     .goal = 180});
     rows.push_back({.name = "patient.512.memory",
                     .value = static_cast<double>(peak_memory()) / 1e9,

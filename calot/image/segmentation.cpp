@@ -95,8 +95,8 @@ void check_names(const Segmentation& found, const std::string& where) {
     const auto [at, added] = names.emplace(segment.name, &segment);
     if (!added)
       throw InputError(where,
-                       "names two segments " + in_quotes(segment.name) + " (values " + std::to_string(at->second->value) +
-                           " and " + std::to_string(segment.value) + ")",
+                       "names two segments " + in_quotes(segment.name) + " (values " +
+                           std::to_string(at->second->value) + " and " + std::to_string(segment.value) + ")",
                        "rename one of them");
   }
 }

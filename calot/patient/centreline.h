@@ -16,7 +16,8 @@ struct Centreline {
 
 /// Arc length [m].
 double length(const Centreline& line);
-/// The place [m] and unit direction at an arc length from the first point, clamped to the ends; radius by interpolation.
+/// The place [m] and unit direction at an arc length from the first point, clamped to the ends; radius by
+/// interpolation.
 struct LinePlace {
   Vec3 point, direction;
   double radius;

@@ -12,8 +12,9 @@ namespace calot {
 /// Source: 3D Slicer, markups-schema-v1.0.3.
 void write_markups(const std::filesystem::path& path, const std::vector<Centreline>& lines);
 
-/// Reads centrelines by ending: .mrk.json (curves; coordinateSystem LPS or RAS, coordinateUnits mm or none; radii from a
-/// measurement "radius" with controlPointValues, or from a constant "radius" or "diameter" measurement), or .txt / .csv:
+/// Reads centrelines by ending: .mrk.json (curves; coordinateSystem LPS or RAS, coordinateUnits mm or none; radii from
+/// a measurement "radius" with controlPointValues, or from a constant "radius" or "diameter" measurement), or .txt /
+/// .csv:
 ///   # comment
 ///   line cystic duct          starts a line; what follows are x y z radius in RAS mm, a point a row, spaces or commas
 ///   12.5 -3.0 41.0 1.4

@@ -6,10 +6,10 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
+#include "calot/base/toml_file.h"
 #include "calot/patient/centreline_file.h"
 #include "calot/patient/import_options.h"
 #include "calot/patient/json_file.h"
-#include "calot/base/toml_file.h"
 
 namespace calot {
 namespace {

@@ -187,7 +187,8 @@ void write_label_mesh(const std::filesystem::path& folder, const LabelMesh& mesh
   write_mesh(folder / "mesh.vtu", scaled);
   for (std::size_t r = 0; r < meshed.regions.size(); ++r)
     write_surface(folder / files[2 + r], region_surface(scaled, meshed.regions[r].label));
-  write_file(folder / "quality.json", [&](std::ostream& out) { out << detail::mesh_report(meshed, source).dump(2) << '\n'; });
+  write_file(folder / "quality.json",
+             [&](std::ostream& out) { out << detail::mesh_report(meshed, source).dump(2) << '\n'; });
   write_file(folder / "model.toml", [&](std::ostream& out) { write_model(out, meshed, source); });
 }
 

@@ -16,11 +16,11 @@ namespace calot {
 
 struct Patient {
   std::string name;
-  TetMesh mesh;                                    ///< RAS [m]; region = Structure number
-  std::map<Structure, TissueMaterial> materials;   ///< of every region of the mesh
-  std::map<Structure, Appearance> appearances;     ///< the same
+  TetMesh mesh;                                   ///< RAS [m]; region = Structure number
+  std::map<Structure, TissueMaterial> materials;  ///< of every region of the mesh
+  std::map<Structure, Appearance> appearances;    ///< the same
   std::vector<Attachment> attachments;
-  std::vector<Centreline> lines;                   ///< of the tubes
+  std::vector<Centreline> lines;  ///< of the tubes
   Landmarks landmarks;
   std::vector<BorderCut> border_cuts;
 };

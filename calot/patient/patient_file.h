@@ -4,8 +4,8 @@
 #include <map>
 
 #include "calot/base/error.h"
-#include "calot/patient/patient.h"
 #include "calot/base/toml_file.h"
+#include "calot/patient/patient.h"
 
 namespace calot::detail {
 

@@ -129,8 +129,7 @@ class FieldPainter {
       const Vec3 p =
           slice.grid.to_world * Vec3(static_cast<double>(w.first[0] + v % w.width()),
                                      static_cast<double>(w.first[1] + v / w.width()), static_cast<double>(slice.k));
-      if ((p - field_.mouth).dot(field_.junction_direction) < 0)
-        label = label_of(Structure::common_hepatic_duct);
+      if ((p - field_.mouth).dot(field_.junction_direction) < 0) label = label_of(Structure::common_hepatic_duct);
     }
   }
 

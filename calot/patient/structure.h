@@ -16,7 +16,7 @@ enum class Structure : Label {
   liver = 1,
   gallbladder = 2,  ///< lumen and wall, unless the wall is a region of its own
   cystic_duct = 3,
-  common_bile_duct = 4,   ///< below the cystic duct's mouth
+  common_bile_duct = 4,     ///< below the cystic duct's mouth
   common_hepatic_duct = 5,  ///< above it
   cystic_artery = 6,
   right_hepatic_artery = 7,
@@ -29,7 +29,9 @@ enum class Structure : Label {
 
 /// All but none, by number.
 std::span<const Structure> all_structures();
-constexpr Label label_of(Structure s) { return static_cast<Label>(s); }
+constexpr Label label_of(Structure s) {
+  return static_cast<Label>(s);
+}
 /// "cystic duct", "common bile duct", "hepatocystic fat" …; "none".
 std::string_view name_of(Structure s);
 /// The inverse of `name_of`, exact.

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "calot/mesh/tet_mesh.h"
 #include "calot/image/volume.h"
+#include "calot/mesh/tet_mesh.h"
 
 namespace calot {
 

@@ -6,8 +6,8 @@
 
 #include "calot/image/label_map.h"
 #include "calot/image/nifti.h"
-#include "tests/support/volumes.h"
 #include "tests/support/files.h"
+#include "tests/support/volumes.h"
 
 namespace calot {
 namespace {

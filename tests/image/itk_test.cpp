@@ -5,8 +5,8 @@
 #include <itkNiftiImageIO.h>
 
 #include "calot/image/label_map.h"
-#include "tests/support/volumes.h"
 #include "tests/support/files.h"
+#include "tests/support/volumes.h"
 
 namespace calot {
 namespace {

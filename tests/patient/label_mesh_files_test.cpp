@@ -6,8 +6,8 @@
 #include "calot/fem/model_file.h"
 #include "calot/mesh/mesh_file.h"
 #include "calot/patient/phantom.h"
-#include "tests/support/volumes.h"
 #include "tests/support/files.h"
+#include "tests/support/volumes.h"
 
 namespace calot {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "calot/mesh/parts.h"
 #include "calot/patient/phantom.h"
-#include "tests/support/volumes.h"
 #include "tests/support/files.h"
+#include "tests/support/volumes.h"
 
 namespace calot {
 namespace {

@@ -1,6 +1,6 @@
 // Uses the two components that need more libraries, so that linking proves they are found.
-#include <calot/mesh/surface.h>
 #include <calot/image/label_map.h>
+#include <calot/mesh/surface.h>
 #include <calot/view/picture.h>
 
 #include <exception>
