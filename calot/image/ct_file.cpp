@@ -86,8 +86,11 @@ CtFile read_any(const fs::path& path, Progress& progress, const std::string& ser
   std::error_code code;
   if (fs::is_directory(path, code)) return read_dicom_folder(path, true, progress, series);
   const std::string name = path.filename().string();
-  if (name.ends_with(".nii") || name.ends_with(".nii.gz")) return read_nifti_ct(path, progress);
-  if (name.ends_with(".nrrd") || name.ends_with(".nhdr")) return read_nrrd_ct(path, progress);
+  const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz");
+  const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
+  if ((nifti || nrrd) && !series.empty()) throw InputError("--series", "goes with DICOM only", "leave it out");
+  if (nifti) return read_nifti_ct(path, progress);
+  if (nrrd) return read_nrrd_ct(path, progress);
   return read_dicom_file(path, progress, series);
 }
 

@@ -25,7 +25,8 @@ struct CtFile {
 /// inconsistent slice spacing (more than 2 % or 0.05 mm), slices of different size or orientation, a tilted gantry
 /// (shear), colour or multi-component pixels, 4-D, values that are no HU (every voxel the same, or none below −200 or
 /// none above 0: says what range there is).
-/// @param series  SeriesInstanceUID (or its beginning, or a number of the list) of the series to read; empty: the only
+/// @param series  SeriesInstanceUID (or its beginning, or a number of the list) of the series to read; empty: the only.
+///     For DICOM only: refused for other files
 CtFile read_ct(const std::filesystem::path& path, Progress& progress, const std::string& series = {});
 
 }  // namespace calot

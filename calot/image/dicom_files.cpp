@@ -20,7 +20,7 @@ constexpr std::size_t usual_header = std::size_t{1} << 16;
 constexpr std::uint64_t largest_file = std::uint64_t{4} << 30;
 
 [[noreturn]] void damaged(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(path.string(), what, "copy or export the series again");
+  throw InputError(path.string(), what, "copy or export the series again, or remove it if it isn't of this series");
 }
 
 int whole(const std::vector<double>& numbers, int otherwise) {

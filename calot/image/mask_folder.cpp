@@ -67,6 +67,43 @@ std::vector<std::uint8_t> read_mask(MaskFile& file, const std::function<void(dou
   return mask;
 }
 
+bool is_label_map(const fs::path& path, const std::function<void(double)>& at) {
+  try {
+    if (path.extension() == ".nrrd") {
+      const NrrdFile file = open_nrrd(path);
+      if (nrrd_segments(file.header, path.string()).size() > 1) return true;
+    }
+    MaskFile file = open_mask(path);
+    NumberReader numbers(*file.source, file.stored, file.grid.count());
+    Label first = 0;
+    bool several = false;
+    std::size_t v = 0;
+    for (auto block = numbers.next(); !block.empty(); block = numbers.next()) {
+      for (const double value : block) {
+        const Label label = label_of(value, v++, numbers.name());  // throws for a CT's
+        if (first == 0) first = label;
+        several = several || (label != 0 && label != first);
+      }
+      at(static_cast<double>(numbers.done()) / static_cast<double>(numbers.count()));
+    }
+    return several;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// No file's name is a structure's: one that holds a map of all structures must be named itself.
+void advise_label_map(const std::vector<fs::path>& files, Progress& progress) {
+  for (std::size_t f = 0; f < files.size(); ++f)
+    if (is_label_map(files[f], [&](double part) {
+          progress.at((static_cast<double>(f) + part) / static_cast<double>(files.size()));
+        }))
+      throw InputError(files[f].parent_path().string(),
+                       "no file in it is named like a structure, but " + files[f].filename().string() +
+                           " holds a map of several labels",
+                       "give " + files[f].string() + " itself");
+}
+
 /// The files that are wanted, in order of their names; two of one name are an error.
 std::vector<fs::path> wanted_files(const std::vector<fs::path>& files, const SegmentationOptions& options,
                                    Segmentation& found) {
@@ -112,6 +149,7 @@ Segmentation read_masks(const std::vector<fs::path>& files, const SegmentationOp
   std::optional<VoxelGrid> grid;
   std::optional<ToReference> to_reference;
   const std::vector<fs::path> wanted = wanted_files(files, options, found);
+  if (wanted.empty()) advise_label_map(files, progress);
   for (std::size_t f = 0; f < wanted.size(); ++f) {
     MaskFile mask = open_mask(wanted[f]);
     if (!grid) {
@@ -121,9 +159,10 @@ Segmentation read_masks(const std::vector<fs::path>& files, const SegmentationOp
     }
     const std::string difference = grid_difference(*grid, mask.grid);
     if (!difference.empty())
-      throw InputError(wanted[f].string(),
-                       "is on another grid than " + wanted[0].filename().string() + ", which has " + difference,
-                       "export all masks on one grid");
+      throw InputError(
+          wanted[f].string(),
+          "is on another grid than " + wanted[0].filename().string() + " (that and this differ: " + difference + ")",
+          "export all masks on one grid");
     const auto at = [&](double part) {
       progress.at((static_cast<double>(f) + part) / static_cast<double>(wanted.size()));
     };

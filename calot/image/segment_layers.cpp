@@ -24,9 +24,9 @@ ToReference::ToReference(const VoxelGrid& from, const SegmentationOptions& optio
     return;
   }
   if (!options.resample)
-    throw InputError(where, "is on another grid than the CT: CT and labels have " + difference,
+    throw InputError(where, "is on another grid than the CT (CT and labels differ: " + difference + ")",
                      "export it on the CT's grid, or give --resample-labels");
-  notes.push_back("resampled onto the CT's grid by the nearest voxel: " + difference);
+  notes.push_back("resampled onto the CT's grid by the nearest voxel; CT and labels differed: " + difference);
 }
 
 void LayerPacker::add(const std::vector<std::uint8_t>& mask, const std::string& name, const std::string& source) {

@@ -53,8 +53,9 @@ std::string grid_difference(const VoxelGrid& a, const VoxelGrid& b) {
   Eigen::Affine3d shifted = b.to_world;
   shifted.translation() = a.to_world.translation();
   if (corner_distance(a, shifted) > 0.01) return "their axes are turned against each other";
-  const Eigen::Vector3d d = 1e3 * (b.to_world.translation() - a.to_world.translation());
-  return text("one is moved by (%.3g, %.3g, %.3g) mm", d[0], d[1], d[2]);
+  const Eigen::Vector3d moved = 1e9 * (b.to_world.translation() - a.to_world.translation());
+  const Eigen::Vector3d d = 1e-6 * (moved.array().round() + 0.0).matrix();  // no rounding errors, no −0
+  return text("the second is moved by (%.3g, %.3g, %.3g) mm", d[0], d[1], d[2]);
 }
 
 std::optional<std::array<std::ptrdiff_t, 3>> offset_in(const VoxelGrid& whole, const VoxelGrid& part) {

@@ -34,8 +34,9 @@ struct CtImage {
   std::vector<std::int16_t> hounsfield;  ///< grid.count() values [HU]
 };
 
-/// How two grids differ, in words ("spacing 0.7 x 0.7 x 3.0 mm against 0.8 x 0.8 x 3.0 mm"); empty when they have the
-/// same size and every voxel lies within a hundredth of a voxel of its counterpart.
+/// How two grids differ, in words that go behind "they differ: " ("spacing 0.7 x 0.7 x 3.0 mm against 0.8 x 0.8 x 3.0
+/// mm", "the second is moved by (7.3, 0, 0) mm"); empty when they have the same size and every voxel lies within a
+/// hundredth of a voxel of its counterpart.
 std::string grid_difference(const VoxelGrid& a, const VoxelGrid& b);
 
 /// Where voxel (0, 0, 0) of `part` lies in `whole`, when part's voxels are some of whole's (same spacing,

@@ -101,6 +101,13 @@ open('short.nii.gz', 'wb').write(b''.join(gzip.compress(raw[b:b + 100]) for b in
   EXPECT_NE(message.find("short.nii.gz: is truncated"), std::string::npos) << message;
 }
 
+TEST(CtFile, a_series_is_refused_where_there_is_no_dicom) {
+  const TempFolder folder;
+  for (const std::string name : {"ct.nii.gz", "ct.nii", "ct.nrrd", "ct.nhdr"})
+    EXPECT_EQ(test::message_of([&] { read_ct(folder / name, silent, "1.2.3"); }),
+              "--series: goes with DICOM only; leave it out");
+}
+
 /// Writes the field with ITK (LPS), with the voxel axes along the columns of `direction`.
 void write_with_itk(const std::string& path, const Eigen::Matrix3d& direction, bool compressed) {
   const Eigen::Vector3d spacing(1.5, 1.75, 2.25), origin(-12.5, 20.25, 87);

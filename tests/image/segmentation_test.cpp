@@ -118,10 +118,10 @@ TEST_F(SegmentationFiles, another_grid_is_refused_or_resampled) {
   options_.reference = fine;
   write_mask("coarse.nii.gz", [](int i, int j, int k) { return static_cast<Label>(1 + i + 6 * j + 30 * k); });
   refused("coarse.nii.gz", "coarse.nii.gz",
-          "is on another grid than the CT: CT and labels have 16 x 14 x 12 voxels against 6 x 5 x 4");
+          "is on another grid than the CT (CT and labels differ: 16 x 14 x 12 voxels against 6 x 5 x 4);");
   options_.resample = true;
   const Segmentation found = read("coarse.nii.gz");
-  EXPECT_TRUE(has_note(found.notes, "resampled"));
+  EXPECT_TRUE(has_note(found.notes, "resampled onto the CT's grid by the nearest voxel; CT and labels differed: 16 x"));
   std::size_t v = 0;
   for (int k = 0; k < 12; ++k)
     for (int j = 0; j < 14; ++j)
@@ -133,7 +133,10 @@ TEST_F(SegmentationFiles, another_grid_is_refused_or_resampled) {
   turned.to_world = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()) * grid_.to_world;
   options_ = {};
   options_.reference = turned;
-  refused("coarse.nii.gz", "coarse.nii.gz", "their axes are turned against each other");
+  refused("coarse.nii.gz", "coarse.nii.gz", "CT and labels differ: their axes are turned against each other);");
+  options_.reference = grid_;
+  options_.reference->to_world.translation() -= Eigen::Vector3d(0.0073, 0, 0);
+  refused("coarse.nii.gz", "coarse.nii.gz", "CT and labels differ: the second is moved by (7.3, 0, 0) mm);");
 }
 
 TEST_F(SegmentationFiles, no_segmentation) {
@@ -297,6 +300,24 @@ TEST_F(SegmentationFiles, masks_are_put_onto_the_ct_grid) {
   EXPECT_EQ(voxels_of(read("m"), "a"), std::vector<std::size_t>{flipped.index(4, 2, 3)});
 }
 
+TEST_F(SegmentationFiles, a_label_map_in_a_folder_of_other_names_is_to_be_given_itself) {
+  options_.wanted = [](const std::string& name) { return name == "liver"; };
+  std::filesystem::create_directory(folder_ / "phantom");
+  write_ct(folder_ / "phantom/ct.nii.gz", {grid_, std::vector<std::int16_t>(grid_.count(), -7)});
+  test::write_bytes(folder_ / "phantom/damaged.nii.gz", "not even a file that could be read");
+  write_mask("phantom/kidney.nii.gz", [](int i, int, int) -> Label { return i < 2; });
+  EXPECT_EQ(listed(read("phantom").unread), "ct|damaged|kidney|") << "none of them is a label map";
+  const std::string advice = "; give " + (folder_ / "phantom/").string();
+  write_mask("phantom/labels.nii.gz", [](int i, int, int) { return static_cast<Label>(i); });
+  refused("phantom", "phantom", "labels.nii.gz holds a map of several labels" + advice + "labels.nii.gz itself");
+  std::filesystem::remove(folder_ / "phantom/labels.nii.gz");
+  test::write_bytes(folder_ / "phantom/a.seg.nrrd", seg_nrrd({filled(1, 0, 3), filled(1, 2, 4)},
+                                                             segment_keys(0, "a", 1, 0) + segment_keys(1, "b", 1, 1)));
+  refused("phantom", "phantom", "a.seg.nrrd holds a map of several labels" + advice + "a.seg.nrrd itself");
+  write_mask("phantom/liver.nii.gz", [](int i, int, int) -> Label { return i < 2; });
+  EXPECT_EQ(voxels_of(read("phantom"), "liver").size(), 40u) << "a mask that is wanted is read as before";
+}
+
 TEST_F(SegmentationFiles, bad_folders) {
   std::filesystem::create_directories(folder_ / "empty/inner");
   refused("empty", "empty", "holds neither masks (.nii, .nii.gz, .nrrd) nor surfaces");
@@ -309,7 +330,8 @@ TEST_F(SegmentationFiles, bad_folders) {
   write_mask("grids/a.nii.gz", [](int, int, int) -> Label { return 1; });
   grid_.size[0] = 7;
   write_mask("grids/b.nii.gz", [](int, int, int) -> Label { return 1; });
-  refused("grids", "grids/b.nii.gz", "is on another grid than a.nii.gz, which has 6 x 5 x 4 voxels against 7 x 5 x 4");
+  refused("grids", "grids/b.nii.gz",
+          "is on another grid than a.nii.gz (that and this differ: 6 x 5 x 4 voxels against 7 x 5 x 4);");
   write_mask("map/a.nii.gz", [](int i, int, int) { return static_cast<Label>(i); });
   refused("map", "map/a.nii.gz", "holds the labels 1 and 2, so it is no mask");
   std::filesystem::create_directory(folder_ / "slicer");
