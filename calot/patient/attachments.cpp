@@ -11,6 +11,7 @@
 #include "calot/mesh/parts.h"
 #include "calot/mesh/surface.h"
 #include "calot/patient/border.h"
+#include "calot/patient/support_area.h"
 
 namespace calot {
 namespace {
@@ -66,7 +67,9 @@ class Finder {
   void add(const std::string& name, AttachmentKind kind, std::vector<VertexId> vertices, const std::string& reason);
   [[nodiscard]] std::vector<VertexId> vertices_of(Structure s) const;
   [[nodiscard]] bool touches(VertexId v, Structure s) const { return (touching_[v.index()] & bit(s)) != 0; }
-  [[nodiscard]] bool spans_an_area(const std::vector<VertexId>& vertices) const;
+  [[nodiscard]] bool spans_an_area(const std::vector<VertexId>& vertices) const {
+    return detail::spans_an_area(mesh_, vertices);
+  }
 
   const TetMesh& mesh_;
   const CompletedAnatomy& anatomy_;
@@ -104,17 +107,6 @@ std::vector<VertexId> Finder::vertices_of(Structure s) const {
   for (std::size_t v = 0; v < touching_.size(); ++v)
     if (touches(VertexId(v), s)) vertices.emplace_back(v);
   return vertices;
-}
-
-/// Three points off one line hold a part; fewer leave a hinge.
-bool Finder::spans_an_area(const std::vector<VertexId>& vertices) const {
-  if (vertices.size() < 3) return false;
-  Vec3 mean = Vec3::Zero();
-  for (const VertexId v : vertices) mean += mesh_.position(v) / static_cast<double>(vertices.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const VertexId v : vertices) spread += (mesh_.position(v) - mean) * (mesh_.position(v) - mean).transpose();
-  const Vec3 eigen = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-  return eigen[1] > 1e-4 * eigen[2] && eigen[2] > 0;
 }
 
 void Finder::hold_liver() {
@@ -247,6 +239,16 @@ std::vector<Attachment> Finder::run() {
 }
 
 }  // namespace
+
+bool detail::spans_an_area(const TetMesh& mesh, const std::vector<VertexId>& vertices) {
+  if (vertices.size() < 3) return false;
+  Vec3 mean = Vec3::Zero();
+  for (const VertexId v : vertices) mean += mesh.position(v) / static_cast<double>(vertices.size());
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const VertexId v : vertices) spread += (mesh.position(v) - mean) * (mesh.position(v) - mean).transpose();
+  const Vec3 eigen = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  return eigen[1] > 1e-4 * eigen[2] && eigen[2] > 0;
+}
 
 std::vector<Attachment> find_attachments(const TetMesh& mesh, const CompletedAnatomy& anatomy) {
   return Finder(mesh, anatomy).run();

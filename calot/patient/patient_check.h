@@ -31,6 +31,8 @@ void check_landmarks(const Patient& patient, Findings& findings);
 void check_model(const std::filesystem::path& path, const std::string& file, const Patient& patient,
                  Findings& findings);
 
+/// "liver", or "region 77"
+std::string region_text(std::int32_t region);
 /// "12.5 mm"
 std::string mm_text(double metres);
 

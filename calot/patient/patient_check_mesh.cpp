@@ -7,18 +7,13 @@
 #include "calot/mesh/quality.h"
 #include "calot/mesh/surface.h"
 #include "calot/patient/patient_check.h"
+#include "calot/patient/support_area.h"
 
 namespace calot::detail {
 namespace {
 
 constexpr double smallest_angle = 10, largest_angle = 165;  // [°]
 const std::string anew = "make the folder anew with calot patient";
-
-std::string region_text(std::int32_t region) {
-  for (const Structure s : all_structures())
-    if (label_of(s) == region) return std::string(name_of(s));
-  return "region " + std::to_string(region);
-}
 
 void check_needed(const std::set<std::int32_t>& present, const std::string& file, Findings& findings) {
   const auto has = [&](Structure s) { return present.contains(label_of(s)); };
@@ -53,9 +48,10 @@ std::vector<std::uint8_t> fixed_vertices(const Patient& patient) {
 void check_held(const Patient& patient, const std::vector<std::uint8_t>& fixed, Findings& findings) {
   const Parts parts = face_connected_parts(patient.mesh);
   for (std::size_t p = 0; p < parts.count(); ++p) {
-    const auto held = std::count_if(parts.vertices[p].begin(), parts.vertices[p].end(),
-                                    [&](VertexId v) { return fixed[v.index()] != 0; });
-    if (held >= 3) continue;
+    std::vector<VertexId> held;
+    for (const VertexId v : parts.vertices[p])
+      if (fixed[v.index()] != 0) held.push_back(v);
+    if (spans_an_area(patient.mesh, held)) continue;
     std::set<std::int32_t> regions;
     for (const TetId t : parts.tets[p]) regions.insert(patient.mesh.regions[t.index()]);
     std::string names;
@@ -63,13 +59,18 @@ void check_held(const Patient& patient, const std::vector<std::uint8_t>& fixed, 
     const std::string what =
         "the part with " + names + " (" + std::to_string(parts.tets[p].size()) + " tetrahedra) is ";
     const std::string to_do = "fix vertices of it in an [[attachment]] of kind \"fixed\"";
-    if (held == 0)
+    if (held.empty())
       findings.error("patient.toml, attachments", what + "held by nothing", to_do);
-    else
+    else if (held.size() < 3)
       findings.error("patient.toml, attachments",
-                     what + "held at " + std::to_string(held) + (held == 1 ? " vertex" : " vertices") +
+                     what + "held at " + std::to_string(held.size()) + (held.size() == 1 ? " vertex" : " vertices") +
                          " only, about which it turns freely",
                      to_do + ", three or more");
+    else
+      findings.error("patient.toml, attachments",
+                     what + "held at " + std::to_string(held.size()) +
+                         " vertices that lie on one line, about which it turns freely",
+                     to_do + ", off that line");
   }
 }
 
@@ -97,6 +98,12 @@ void check_both_kinds(const Patient& patient, const std::vector<std::uint8_t>& f
 }
 
 }  // namespace
+
+std::string region_text(std::int32_t region) {
+  for (const Structure s : all_structures())
+    if (label_of(s) == region) return std::string(name_of(s));
+  return "region " + std::to_string(region);
+}
 
 void check_mesh(const Patient& patient, const std::string& file, Findings& findings) {
   const TetMesh& mesh = patient.mesh;
