@@ -23,6 +23,12 @@ std::vector<std::string> structure_words() {
   return words;
 }
 
+/// Whether text would do something to a terminal instead of being shown.
+bool has_control(const std::string& text) {
+  return std::any_of(text.begin(), text.end(),
+                     [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+}
+
 }  // namespace
 
 PatientReader::PatientReader(const fs::path& folder) : folder_(folder), toml_(folder / "patient.toml", size_limit) {}
@@ -113,7 +119,12 @@ void PatientReader::read_header() {
   if (toml_.whole(format, "format") != 1)
     toml_.fail(format, "format " + std::to_string(format.as_integer()) + " is not one that this program reads",
                "use a newer Calot, or make the folder anew with calot patient");
-  patient_.name = need_text(root, "name", "patient");
+  const toml::value& name = toml_.need(root, "name", "\"patient\"");
+  patient_.name = toml_.text(name, "name");
+  if (patient_.name.find_first_not_of(' ') == std::string::npos)
+    toml_.fail(name, "the patient's name is empty", "give one, e.g. name = \"patient\"");
+  if (has_control(patient_.name))
+    toml_.fail(name, "name = \"" + brief(patient_.name) + "\" has control characters", "write it in one line of text");
   const auto must_be = [&](const std::string& key, const std::string& only) {
     const toml::value* value = TomlFile::find(root, key);
     if (value != nullptr && toml_.text(*value, key) != only)
@@ -129,7 +140,7 @@ std::string PatientReader::file_name(const toml::value& value, const std::string
   const std::string& name = toml_.text(value, key);
   const fs::path path(name);
   const bool inside = !name.empty() && path.is_relative() && std::find(path.begin(), path.end(), "..") == path.end() &&
-                      name.find('\0') == std::string::npos;
+                      !has_control(name);
   if (!inside) toml_.fail(value, key + " = \"" + brief(name) + "\" is not a file of this folder", "put it there");
   return name;
 }

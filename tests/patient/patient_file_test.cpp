@@ -128,7 +128,7 @@ Patient crooked_patient() {
   patient.materials[Structure::liver].young *= 1 + random.unit();
   patient.appearances[Structure::liver].red = random.unit();
   patient.border_cuts[0].normal = Vec3(random.unit(), random.unit(), 1).normalized();
-  patient.name = "Tëst \"\\ \n\t 患者";
+  patient.name = "Tëst \"\\ é 患者";
   patient.attachments[0].reason = "two\nlines";
   return patient;
 }
@@ -371,6 +371,28 @@ TEST(PatientFile, WhatAClipDoesntSayComesFromTheCentreline) {
   write_bytes(folder / "patient.toml", without(without(whole, "[files]", {"centrelines"}), clip, {"direction"}));
   EXPECT_NE(message_of([&] { load_patient(folder.path()); }).find("there is no centreline of the cystic duct"),
             std::string::npos);
+}
+
+TEST(PatientFile, ThePatientNeedsANameThatCanBeShown) {
+  TempFolder folder;
+  write_small_patient(folder.path());
+  const std::string whole = read_bytes(folder / "patient.toml");
+  const std::string line = "name = \"cubes, \\\"small\\\"\"";
+  const std::size_t place = whole.find(line);
+  ASSERT_NE(place, std::string::npos);
+  const std::string where =
+      (folder / "patient.toml").string() + ":" +
+      std::to_string(1 + std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(place), '\n')) + ": ";
+  const auto error_for = [&](const std::string& name) {
+    std::string text = whole;
+    write_bytes(folder / "patient.toml", text.replace(place, line.size(), "name = " + name));
+    return message_of([&] { load_patient(folder.path()); });
+  };
+  EXPECT_EQ(error_for("\"\"").find(where + "the patient's name is empty; "), 0U) << error_for("\"\"");
+  EXPECT_EQ(error_for("\"  \"").find(where + "the patient's name is empty; "), 0U);
+  for (const std::string bad : {"\"a\\nb\"", "\"a\\u001bb\"", "\"a\\u007fb\"", "\"a\\u0000b\"", "\"a\tb\""})
+    EXPECT_EQ(error_for(bad).find(where + "name = \"a?b\" has control characters; "), 0U) << error_for(bad);
+  EXPECT_EQ(error_for("\"Änne Müller\""), "");
 }
 
 }  // namespace
