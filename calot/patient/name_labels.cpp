@@ -53,14 +53,22 @@ std::vector<Structure> name_segments(const Segmentation& segmentation, const Nam
   return structures;
 }
 
+/// The structure of a segment that files list without a voxel of it, by its name or number.
+std::optional<Structure> structure_of_empty(const std::string& title, const NameTable& table) {
+  if (const auto found = table.find(title)) return found;
+  for (const auto& [number, structure] : table.numbers)
+    if (title == std::to_string(number)) return structure;
+  return {};
+}
+
 void require(Structure needed, const std::vector<Structure>& structures, const Segmentation& segmentation,
-             const std::string& where) {
+             const NameTable& table, const std::string& where) {
   if (std::find(structures.begin(), structures.end(), needed) != structures.end()) return;
   const std::string name(name_of(needed));
   std::vector<std::string> names = segmentation.unread;
   for (const Segment& segment : segmentation.segments) names.push_back(title_of(segment));
   if (std::find_if(segmentation.empty.begin(), segmentation.empty.end(), [&](const std::string& empty) {
-        return NameTable::built_in().find(empty) == needed;
+        return structure_of_empty(empty, table) == needed;
       }) != segmentation.empty.end())
     throw InputError(where, "its " + name + " is empty: it has no voxel", "segment the " + name);
   throw InputError(where, "has no " + name + " among: " + (names.empty() ? "nothing" : listed(names, 40)),
@@ -130,6 +138,17 @@ void judge_overlaps(const Painter& painter, const VoxelGrid& grid, OverlapRule r
   }
 }
 
+/// Numbers exchanged by mistake: everything else would be done to the wrong organ.
+void refuse_exchanged(const LabelMap& labels, const std::string& where) {
+  auto counts = voxel_counts(labels);
+  const std::size_t gallbladder = counts[label_of(Structure::gallbladder)], liver = counts[label_of(Structure::liver)];
+  if (gallbladder > liver)
+    throw InputError(where,
+                     text("the gallbladder (%.4g mL) is larger than the liver (%.4g mL)",
+                          millilitres(gallbladder, labels.grid), millilitres(liver, labels.grid)),
+                     "exchange them in labels.toml, or check the numbers");
+}
+
 /// Volumes that no adult has: a wrong name or number, or a wrong unit.
 void judge_volumes(const LabelMap& labels, std::vector<std::string>& warnings) {
   struct Range {
@@ -161,8 +180,8 @@ std::vector<std::string> describe_segments(const Segmentation& segmentation) {
 StructureLabels label_structures(const Segmentation& segmentation, const NameTable& table, OverlapRule overlaps,
                                  const std::string& where) {
   const std::vector<Structure> structures = name_segments(segmentation, table, where);
-  require(Structure::gallbladder, structures, segmentation, where);
-  require(Structure::liver, structures, segmentation, where);
+  require(Structure::gallbladder, structures, segmentation, table, where);
+  require(Structure::liver, structures, segmentation, table, where);
   StructureLabels result;
   std::map<Structure, std::string> taken;
   for (std::size_t s = 0; s < structures.size(); ++s) {
@@ -180,6 +199,7 @@ StructureLabels label_structures(const Segmentation& segmentation, const NameTab
   result.labels.voxels = painter.paint();
   judge_overlaps(painter, segmentation.grid, overlaps, where, result.warnings);
   for (const auto& [structure, name] : taken) result.labels.names[label_of(structure)] = name_of(structure);
+  refuse_exchanged(result.labels, where);
   judge_volumes(result.labels, result.warnings);
   return result;
 }

@@ -82,6 +82,19 @@ TEST(NameLabels, AnEmptyOrganIsCalledEmpty) {
   EXPECT_NE(error_of(s, NameTable::built_in()).find("its gallbladder is empty"), std::string::npos);
 }
 
+TEST(NameLabels, AnEmptyOrganIsFoundByTheUsersTable) {
+  Segmentation s = two_segments("liver", "other");
+  s.empty = {"vesicula"};
+  NameTable table = NameTable::built_in();
+  table.names["vesicula"] = Structure::gallbladder;
+  EXPECT_NE(error_of(s, table).find("its gallbladder is empty"), std::string::npos);
+  EXPECT_NE(error_of(s, NameTable::built_in()).find("has no gallbladder among"), std::string::npos);
+  s = two_segments("", "");
+  s.empty = {"15"};
+  table.numbers = {{5, Structure::liver}, {15, Structure::gallbladder}};
+  EXPECT_NE(error_of(s, table).find("its gallbladder is empty"), std::string::npos);
+}
+
 class Overlapping : public testing::Test {
  protected:
   Overlapping() {
@@ -133,10 +146,26 @@ TEST(NameLabels, TwoHalvesOfALiverBecomeOne) {
 }
 
 TEST(NameLabels, AbsurdVolumesAreNoticed) {
-  Segmentation s = two_segments("gallbladder", "liver");  // exchanged
+  Segmentation s = two_segments("liver", "gallbladder");
+  s.grid.to_world = Eigen::Scaling(2e-3) * Eigen::Affine3d::Identity();
   const StructureLabels result = label_structures(s, NameTable::built_in(), OverlapRule::refuse, "s");
   ASSERT_EQ(result.warnings.size(), 2u);
-  EXPECT_NE(result.warnings[0].find("the liver has 43.2 mL, adults have 500 to 4000"), std::string::npos);
+  EXPECT_NE(result.warnings[0].find("the liver has 46.4 mL, adults have 500 to 4000"), std::string::npos);
+  EXPECT_NE(result.warnings[1].find("the gallbladder has 1.6 mL, adults have 5 to 300"), std::string::npos);
+}
+
+TEST(NameLabels, AGallbladderLargerThanTheLiverIsRefused) {
+  EXPECT_EQ(
+      error_of(two_segments("gallbladder", "liver"), NameTable::built_in()),
+      "seg.nii.gz: the gallbladder (1253 mL) is larger than the liver (43.2 mL); exchange them in labels.toml, or "
+      "check the numbers");
+  // Overlaps count as they are resolved: here the whole liver goes to a gallbladder of as many voxels.
+  Segmentation s = two_segments("liver", "gallbladder");
+  const std::size_t all = s.grid.count();
+  s.layers = {std::vector<Label>(all, 1), std::vector<Label>(all, 5)};
+  s.segments = {{"gallbladder", 1, 0, all, "s"}, {"liver", 5, 1, all, "s"}};
+  EXPECT_NE(error_of(s, NameTable::built_in(), OverlapRule::smaller).find("is larger than the liver (0 mL)"),
+            std::string::npos);
 }
 
 }  // namespace
