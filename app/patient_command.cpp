@@ -1,4 +1,5 @@
 // calot patient: CT and labels become a patient's folder, or a folder is checked.
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,6 +14,7 @@
 #include "calot/base/memory.h"
 #include "calot/compliance/compliance_file.h"
 #include "calot/fem/model_file.h"
+#include "calot/mesh/mesh_file.h"
 #include "calot/patient/make_patient.h"
 
 namespace calot {
@@ -23,7 +25,7 @@ namespace fs = std::filesystem;
 struct PatientArguments {
   PatientRequest request;
   fs::path folder, check, write_table;
-  std::string overlap = "refuse";
+  std::string overlap = "refuse", surface_unit = "mm";
   bool compliance = false, names = false;
 };
 
@@ -39,11 +41,23 @@ void write_compliance(const fs::path& folder) {
   save_compliance(folder / "C.h5", compliance, model, false, &terminal_progress());
 }
 
-void write_folder(const PatientArguments& arguments, const MadePatient& made) {
+/// What an earlier patient in this folder had and this one hasn't would belong to nobody.
+void remove_stale(const fs::path& folder, const std::vector<std::string>& files) {
+  std::vector<std::string> stale{"C.h5"};
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder / "surfaces", code))
+    if (entry.path().extension() == ".ply") stale.push_back("surfaces/" + entry.path().filename().string());
+  for (const std::string& file : stale)
+    if (std::find(files.begin(), files.end(), file) == files.end()) fs::remove(folder / file, code);
+}
+
+void write_folder(const PatientArguments& arguments, const MadePatient& made, StagedFolder& folder) {
   std::vector<std::string> files = patient_files(made.patient);
   files.insert(files.begin(), "preview.png");
   if (arguments.compliance) files.insert(files.begin(), "C.h5");
-  StagedFolder folder(arguments.folder);
+  std::vector<fs::path> inputs = arguments.request.centrelines;
+  inputs.insert(inputs.end(), {arguments.request.ct, arguments.request.labels, arguments.request.table});
+  folder.require_apart(files, inputs);
   folder.fill(
       [&](const fs::path& place) {
         terminal_progress().phase("writing");
@@ -54,25 +68,42 @@ void write_folder(const PatientArguments& arguments, const MadePatient& made) {
         if (arguments.compliance) write_compliance(place);
       },
       files);
+  remove_stale(folder.target(), files);
 }
 
 void make(const PatientArguments& arguments) {
   Stopwatch watch;
-  StagedFolder refuse_early(arguments.folder);
+  StagedFolder folder(arguments.folder);
+  folder.require_own("patient.toml");
   PatientRequest request = arguments.request;
-  if (request.name.empty()) request.name = refuse_early.target().filename().string();
+  if (request.name.empty()) request.name = folder.target().filename().string();
   if (arguments.overlap == "smaller") request.overlaps = OverlapRule::smaller;
+  request.surface_unit = metres_per(arguments.surface_unit, "--surface-unit");
+  folder.open();  // says at once if it can't be made
   MadePatient made = make_patient(request, {say, warn}, terminal_progress());
   made.provenance.versions["calot"] = CALOT_VERSION;
-  write_folder(arguments, made);
+  write_folder(arguments, made, folder);
   say("wrote " + (arguments.folder / "patient.toml").string() + " in " + seconds_text(watch.lap()) + ", " +
       readable_bytes(peak_memory()) + " at most; look at " + (arguments.folder / "preview.png").string());
+}
+
+/// The compliance is of no use to the patient room, so it is looked at here.
+std::vector<Finding> check_compliance(const fs::path& folder) {
+  if (!fs::exists(folder / "C.h5")) return {};
+  try {
+    (void)load_compliance(folder / "C.h5", load_model(folder / "model.toml"));
+  } catch (const Error& error) {
+    return {{true, "C.h5", error.what(), "make it again: calot precompute model.toml -o C.h5 --backend sparse"}};
+  }
+  return {};
 }
 
 /// Prints every finding; errors end with exit code 2.
 void run_check(const fs::path& folder) {
   std::size_t errors = 0, warnings = 0;
-  for (const Finding& finding : check_patient(folder)) {
+  std::vector<Finding> findings = check_patient(folder);
+  for (const Finding& finding : check_compliance(folder)) findings.push_back(finding);
+  for (const Finding& finding : findings) {
     ++(finding.error ? errors : warnings);
     say(std::string(finding.error ? "error: " : "warning: ") + finding.where + ": " + finding.what +
         (finding.what_to_do.empty() ? "" : "; " + finding.what_to_do));
@@ -92,6 +123,8 @@ void run_patient(const PatientArguments& arguments) {
   if (arguments.names) return print_names();
   if (!arguments.check.empty()) return run_check(arguments.check);
   if (!arguments.write_table.empty()) {
+    if (fs::exists(arguments.write_table))
+      throw InputError(arguments.write_table.string(), "exists already", "name another file, or remove it first");
     write_file(arguments.write_table, [](std::ostream& out) { write_import_options(out, ImportOptions{}); });
     return say("wrote " + arguments.write_table.string() + "; change it and give it with --table");
   }
@@ -101,7 +134,7 @@ void run_patient(const PatientArguments& arguments) {
 }
 
 void add_options(CLI::App& command, PatientArguments& arguments) {
-  command.add_option("CT", arguments.request.ct, "CT: a DICOM folder, .nii, .nii.gz or .nrrd");
+  CLI::Option* const ct = command.add_option("CT", arguments.request.ct, "CT: a DICOM folder, .nii, .nii.gz or .nrrd");
   command.add_option("LABELS", arguments.request.labels,
                      "segmentation: .nii, .nii.gz, .nrrd, .seg.nrrd, a folder of masks, or surfaces (.stl .obj .ply)");
   command.add_option("-o,--output", arguments.folder, "the patient's folder")->type_name("DIR");
@@ -124,8 +157,11 @@ void add_options(CLI::App& command, PatientArguments& arguments) {
       ->check(CLI::IsMember({"refuse", "smaller"}))
       ->capture_default_str();
   command.add_flag("--resample-labels", arguments.request.resample_labels, "put labels of another grid onto the CT's");
+  command.add_option("--surface-unit", arguments.surface_unit, "of surfaces given as LABELS")
+      ->check(CLI::IsMember({"mm", "cm", "m"}))
+      ->capture_default_str();
   command.add_flag("--compliance", arguments.compliance, "precompute C.h5 (sparse) as well");
-  command.add_option("--check", arguments.check, "only check a patient's folder")->type_name("DIR");
+  command.add_option("--check", arguments.check, "only check a patient's folder")->type_name("DIR")->excludes(ct);
   command.add_flag("--names", arguments.names, "only list the names that are understood");
   command.add_option("--write-table", arguments.write_table, "only write a labels.toml with every default, to change")
       ->type_name("FILE");

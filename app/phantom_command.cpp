@@ -112,6 +112,8 @@ Phantom make(const PhantomArguments& arguments, std::uint64_t seed) {
 
 void write_phantom(const PhantomArguments& arguments, const std::filesystem::path& folder, std::uint64_t seed) {
   StagedFolder staged(folder);
+  staged.require_own("truth.json");
+  staged.open();
   const Phantom phantom = make(arguments, seed);
   const std::string truth = truth_of(arguments, seed, phantom).dump(2) + "\n";
   terminal_progress().phase("phantom: files");

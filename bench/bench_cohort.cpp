@@ -170,7 +170,7 @@ std::vector<Row> bench_cohort(const BenchOptions& options) {
   rows.push_back({.name = "cohort.failed", .value = failed, .unit = "patients", .goal = 0});
   rows.push_back({.name = "cohort.check_errors", .value = errors, .unit = "errors", .goal = 0});
   rows.push_back({.name = "cohort.duct_volume_error", .value = 100 * worst_duct, .unit = "%", .goal = 5});
-  rows.push_back({.name = "cohort.volume_error", .value = 100 * worst, .unit = "%"});
+  rows.push_back({.name = "cohort.volume_error", .value = 100 * worst, .unit = "%", .goal = 5});
   // As shortfalls, so that lower is better.
   rows.push_back({.name = "cohort.min_dihedral_below_60", .value = 60 - flattest, .unit = "deg", .goal = 50});
   rows.push_back({.name = "cohort.max_dihedral", .value = widest, .unit = "deg", .goal = 165});

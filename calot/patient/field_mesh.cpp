@@ -43,6 +43,9 @@ MesherOptions field_mesh_options(const LabelMap& labels, std::size_t tets) {
   options.tolerance = tolerance;
   options.tets = static_cast<std::size_t>(static_cast<double>(tets) / (1 + tolerance));
   options.tries = 20;
+  options.max_volume_error = 0.05;
+  options.min_dihedral_taken = 10;
+  options.max_dihedral_taken = 165;
   options.growth = 0.7;
   for (const auto& [label, count] : voxel_counts(labels)) {
     options.labels.push_back(label);

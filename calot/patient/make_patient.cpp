@@ -75,6 +75,7 @@ void PatientMaker::read_labels(const VoxelGrid& grid) {
   SegmentationOptions reading;
   reading.reference = grid;
   reading.resample = request_.resample_labels;
+  reading.surface_unit = request_.surface_unit;
   reading.wanted = [&](const std::string& name) {
     return options_.table.find(name).value_or(Structure::none) != Structure::none;
   };

@@ -21,6 +21,7 @@ struct PatientRequest {
   std::string series;                              ///< DICOM series, where there are several
   OverlapRule overlaps = OverlapRule::refuse;
   bool resample_labels = false;
+  double surface_unit = 1e-3;  ///< metres per unit of surfaces given as labels
   std::size_t tets = 20000;  ///< at most
 };
 

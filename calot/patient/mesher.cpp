@@ -61,6 +61,7 @@ class Search {
       : options_(options),
         progress_(progress),
         field_(map, options.labels, options.smoothing),
+        names_(map.names),
         seeds_(seeds_in(field_)) {
     const double voxel = field_.spacing().prod();
     for (const RegionCleaning& label : field_.cleaning())
@@ -88,7 +89,7 @@ class Search {
   struct Candidate {
     TetMesh mesh;
     double worst_volume = 0, min_dihedral = 0, max_dihedral = 0;  // relative; degrees
-    bool whole = true;                                            // no region lost all its tets
+    std::size_t worst_region = 0;                                 // whose volume is off most
     std::vector<std::string> notes;
   };
   [[nodiscard]] std::size_t region_of(const Refinement& refinement) const;
@@ -98,6 +99,12 @@ class Search {
   bool shift_boundaries(Candidate& candidate);
   void set_biases();
   [[nodiscard]] bool better(const Candidate& a, const Candidate& b) const;
+  [[nodiscard]] bool within_bounds(const Candidate& c) const {
+    const double most = options_.max_volume_error > 0 ? options_.max_volume_error : 0.999;  // nobody loses all tets
+    return c.worst_volume <= most && c.min_dihedral >= options_.min_dihedral_taken &&
+           c.max_dihedral <= options_.max_dihedral_taken;
+  }
+  void note_shortfall(const Candidate& candidate);
   [[noreturn]] void report_failure() const;
   [[nodiscard]] double next_log_factor() const;
   [[nodiscard]] double away_from_earlier(double log_factor) const;
@@ -118,6 +125,7 @@ class Search {
   const MesherOptions& options_;
   Progress& progress_;
   LabelField field_;
+  const std::map<Label, std::string>& names_;
   std::vector<Vec3> seeds_;
   std::vector<double> wanted_volume_, base_edge_;
   std::vector<double> shift_;  // of each region's boundary, in steps of the smoothed field
@@ -125,7 +133,7 @@ class Search {
   std::vector<bool> fixed_;
   std::vector<Point> history_;
   std::vector<std::string> notes_;
-  std::optional<std::size_t> lost_;  // a region that the last mesh had no tet of
+  std::string shortfall_;  // of the last mesh that had the count and was refused
   int tries_ = 0;
 };
 
@@ -183,7 +191,6 @@ Search::Candidate Search::attempt(double factor, bool mend) {
 
 /// Moves each region's boundary by what its volume lacks. Returns whether nothing is left to be gained that way.
 bool Search::shift_boundaries(Candidate& candidate) {
-  lost_.reset();
   const TetMesh& mesh = candidate.mesh;
   std::vector<double> volume(wanted_volume_.size(), 0.0);
   for (std::size_t t = 0; t < mesh.tet_count(); ++t)
@@ -191,10 +198,9 @@ bool Search::shift_boundaries(Candidate& candidate) {
   bool settled = true;
   for (std::size_t r = 0; r < volume.size(); ++r) {
     const double lack = (wanted_volume_[r] - volume[r]) / wanted_volume_[r];
-    candidate.worst_volume = std::max(candidate.worst_volume, std::abs(lack));
-    if (!(volume[r] > 0)) {
-      candidate.whole = false;
-      lost_ = r;
+    if (std::abs(lack) >= candidate.worst_volume) {
+      candidate.worst_volume = std::abs(lack);
+      candidate.worst_region = r;
     }
     if (tries_ > 2 * options_.tries / 3) continue;  // later, only the count is searched for
     // Surface = 4 volume / thickness, so the boundary must move by lack · thickness / 4 [voxels], over which the
@@ -265,10 +271,18 @@ bool Search::better(const Candidate& a, const Candidate& b) const {
   return a_sound ? a.worst_volume < b.worst_volume : slack(a) > slack(b);
 }
 
+void Search::note_shortfall(const Candidate& candidate) {
+  const Label label = field_.labels()[candidate.worst_region];
+  const auto name = names_.find(label);
+  shortfall_ = text("with %.0f %s, %s is %.0f %% off its volume and angles are %.1f to %.1f degrees", wanted(),
+                    options_.tets > 0 ? "tetrahedra" : "vertices",
+                    name == names_.end() ? ("label " + std::to_string(label)).c_str() : ("the " + name->second).c_str(),
+                    100 * candidate.worst_volume, candidate.min_dihedral, candidate.max_dihedral);
+}
+
 void Search::report_failure() const {
-  if (lost_)
-    throw FailedError("mesh",
-                      text("label %d is too thin for these sizes: no tet was left of it", field_.labels()[*lost_]),
+  if (!shortfall_.empty())
+    throw FailedError("mesh", shortfall_,
                       "ask for more tets or vertices, refine it, or give a label map with smaller voxels");
   const Point* nearest = &history_.front();
   const double goal = std::log(wanted());
@@ -294,7 +308,9 @@ TetMesh Search::run() {
     const bool settled = shift_boundaries(candidate);
     const bool closed = check_manifold(boundary_surface(candidate.mesh)).closed_manifold();
     history_.push_back({log_factor, std::log(std::max(reached, 1.0))});
-    const bool usable = near && closed && candidate.whole && counts_match(reached, 1);
+    const bool counted = near && closed && counts_match(reached, 1);
+    const bool usable = counted && within_bounds(candidate);
+    if (counted && !usable) note_shortfall(candidate);
     const bool good = (settled || candidate.worst_volume <= 0.02) && sound(candidate);
     if (usable && (!best || better(candidate, *best))) best = std::move(candidate);
     if (usable && good) break;

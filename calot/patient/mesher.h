@@ -29,6 +29,9 @@ struct MesherOptions {
   double smoothing = 0.5;           ///< σ of the Gaussian on the labels, in voxels, 0 … 2
   double min_dihedral = 12;         ///< wanted [°]; a mesh below it is returned only if no try was better
   double max_dihedral = 165;        ///< likewise [°]
+  double max_volume_error = 0;      ///< a mesh is refused where a region is farther off, relative; 0: any is taken
+  double min_dihedral_taken = 0;    ///< likewise below this [°]; 0: any
+  double max_dihedral_taken = 180;  ///< and above this
   int tries = 16;                   ///< bound on meshes made in the search, ≥ 1
 };
 
@@ -55,8 +58,8 @@ struct LabelMesh {
 /// surface a closed manifold, `vertices` within `tolerance`, each region's volume near its voxels' (the smoothed
 /// boundaries are moved until it is: smoothing and flat facets both make thin ducts thinner). Thin regions get smaller
 /// tets than thick ones. The same input gives the same mesh. Throws InputError: a label without voxels or options out
-/// of range; FailedError: no mesh met the vertex count and the manifold condition within `tries`, saying how near it
-/// came.
+/// of range; FailedError: no mesh met the count, the manifold condition and the bounds within `tries`, saying how near
+/// it came.
 LabelMesh mesh_labels(const LabelMap& map, const MesherOptions& options, Progress& progress);
 
 /// Names and versions of the libraries behind the mesher, for provenance.

@@ -44,7 +44,7 @@ std::vector<std::string> all_files(const fs::path& folder) {
 TEST(PatientCommand, GoesFromAPhantomToACheckedFolder) {
   const PhantomFolder folder;
   const Outcome made =
-      calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("anna"), "--tets", "7000", "--compliance"});
+      calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("anna"), "--tets", "14000", "--compliance"});
   ASSERT_EQ(made.code, 0) << made.err;
   for (const char* part : {"is the gallbladder", "mesh: ", "closed and manifold", "held: ", "wrote "})
     EXPECT_NE(made.out.find(part), std::string::npos) << part << " isn't in\n" << made.out;
@@ -56,21 +56,28 @@ TEST(PatientCommand, GoesFromAPhantomToACheckedFolder) {
   EXPECT_EQ(check.code, 0) << check.out << check.err;
   EXPECT_NE(check.out.find("sound"), std::string::npos);
   const Model model = load_model(folder / "anna" / "model.toml");
-  EXPECT_LE(model.mesh().tet_count(), 7000u);
+  EXPECT_LE(model.mesh().tet_count(), 14000u);
   const auto provenance = nlohmann::json::parse(read_bytes(folder / "anna" / "provenance.json"));
   EXPECT_EQ(provenance.at("inputs").size(), 2u);
 
   // The same on one thread: the same bytes.
   setenv("CALOT_THREADS", "1", 1);
   const Outcome again = calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("again"), "--name",
-                                   "anna", "--tets", "7000", "--compliance"});
+                                   "anna", "--tets", "14000", "--compliance"});
   unsetenv("CALOT_THREADS");
   ASSERT_EQ(again.code, 0) << again.err;
   ASSERT_EQ(all_files(folder / "again"), files);
   for (const std::string& file : files)
     EXPECT_TRUE(read_bytes(folder / "anna" / file) == read_bytes(folder / "again" / file)) << file;
 
-  // Edited by hand, with mistakes.
+  // Made anew in its place, without the compliance: the old one, of another mesh, goes.
+  const Outcome anew =
+      calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("again"), "--tets", "15000"});
+  ASSERT_EQ(anew.code, 0) << anew.err;
+  EXPECT_FALSE(fs::exists(folder / "again" / "C.h5"));
+
+  // Damaged, and edited by hand with mistakes.
+  write_bytes(folder / "anna" / "C.h5", std::string(10, 'x'));
   std::string toml = read_bytes(folder / "anna" / "patient.toml");
   toml.replace(toml.find("young = 5400.0"), 14, "young = 0.0000");
   write_bytes(folder / "anna" / "patient.toml", toml);
@@ -79,6 +86,7 @@ TEST(PatientCommand, GoesFromAPhantomToACheckedFolder) {
   EXPECT_EQ(broken.code, 2);
   EXPECT_NE(broken.out.find("young"), std::string::npos) << broken.out;
   EXPECT_NE(broken.out.find("liver.ply"), std::string::npos) << broken.out;
+  EXPECT_NE(broken.out.find("C.h5"), std::string::npos) << broken.out;
   EXPECT_NE(broken.err.find("wrong, see above"), std::string::npos) << broken.err;
 }
 
@@ -129,6 +137,27 @@ TEST(PatientCommand, RefusesAWrongCall) {
   write_bytes(folder / "file", "x");
   expect_refused(calot_run({"patient", "a.nii.gz", "b.nii.gz", "-o", (folder / "file").string()}), 2, {"not a folder"});
   expect_refused(calot_run({"phantom", "-o", (folder / "p").string(), "--variant", "odd"}), 2, {"odd", "inflamed"});
+}
+
+TEST(PatientCommand, ReplacesNothingOfTheUsers) {
+  const PhantomFolder folder;
+  const std::string labels = read_bytes(folder.labels());
+  expect_refused(calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("in")}), 2,
+                 {"holds other files", "patient.toml"});
+  EXPECT_TRUE(read_bytes(folder.labels()) == labels);
+  write_bytes(folder / "notes.txt", "mine");
+  expect_refused(calot_run({"phantom", "-o", folder.path().string()}), 2, {"holds other files", "truth.json"});
+  write_bytes(folder / "labels.toml", "# mine\n");
+  expect_refused(calot_run({"patient", "--write-table", folder.name("labels.toml")}), 2, {"exists already"});
+  EXPECT_EQ(read_bytes(folder / "labels.toml"), "# mine\n");
+  expect_refused(calot_run({"patient", "--check", folder.name("in"), folder.ct()}), 2, {"--check"});
+}
+
+TEST(PatientCommand, RefusesFewerTetsThanThinTubesNeed) {
+  const PhantomFolder folder;
+  expect_refused(calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("out"), "--tets", "4000"}), 1,
+                 {"volume", "more tets"});
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST(PatientCommand, WritesATableThatReadsBack) {
