@@ -36,6 +36,10 @@ BorderCut cut_of(const VoxelGrid& grid, Structure s, int axis, bool upper, const
   return {s, axis, upper, grid.to_world * middle, outward, face * static_cast<double>(contact.voxels)};
 }
 
+bool must_be_whole(Structure s) {
+  return is_tube(s) || s == Structure::gallbladder || s == Structure::gallbladder_wall;
+}
+
 [[noreturn]] void refuse(Structure s, const std::string& side) {
   const std::string name(name_of(s));
   throw InputError("labels", "the " + name + " is cut by the volume's " + side + " end",
@@ -62,10 +66,8 @@ std::vector<BorderCut> border_cuts(const LabelMap& labels, const std::set<Struct
       for (const Structure s : all_structures()) {
         const Contact& contact = found[label_of(s)];
         if (contact.voxels == 0 || redrawn.contains(s)) continue;
-        if (s == Structure::liver)
-          cuts.push_back(cut_of(labels.grid, s, axis, upper, contact));
-        else if (s != Structure::hepatocystic_fat && s != Structure::gallbladder_bed)
-          refuse(s, side_name(labels.grid, axis, upper));
+        if (must_be_whole(s)) refuse(s, side_name(labels.grid, axis, upper));
+        cuts.push_back(cut_of(labels.grid, s, axis, upper, contact));
       }
     }
   return cuts;

@@ -55,7 +55,7 @@ struct CompletedAnatomy {
   CtImage ct;                     ///< resampled onto the same grid
   std::vector<Centreline> lines;  ///< of every tube that is there: given, or found in its label; named by `name_of`
   std::vector<CompletionStep> steps;
-  std::vector<BorderCut> border_cuts;  ///< of the liver (others are refused)
+  std::vector<BorderCut> border_cuts;  ///< of liver, fat and bed (others are refused)
   std::vector<std::string> warnings;
 };
 

@@ -136,6 +136,20 @@ TEST(Attachments, ACutFaceIsHeldWhole) {
   EXPECT_EQ(named(find_attachments(mesh, anatomy_of()), "cut face"), nullptr);
 }
 
+TEST(Attachments, ACutFaceOfFatIsHeldToo) {
+  std::vector<Block> with_fat = blocks;
+  with_fat.push_back({Structure::hepatocystic_fat, {14, 18, 0, 12, 11, 13}});
+  CompletedAnatomy anatomy = anatomy_of();
+  anatomy.border_cuts = {{Structure::hepatocystic_fat, 1, false, cell * Vec3(16, 0, 12), -Vec3::UnitY(), 200e-6}};
+  const TetMesh mesh = mesh_of(with_fat);
+  const std::vector<Attachment> all = find_attachments(mesh, anatomy);
+  const Attachment* face = named(all, "cut face of the CT: back (posterior) end of the hepatocystic fat");
+  ASSERT_NE(face, nullptr);
+  EXPECT_EQ(face->kind, AttachmentKind::fixed);
+  EXPECT_EQ(face->vertices.size(), 5u * 3u);
+  for (const VertexId v : face->vertices) EXPECT_NEAR(mesh.position(v).y(), 0, 1e-12);
+}
+
 TEST(Attachments, EveryPartHasSomethingFixed) {
   std::vector<Block> with_fat = blocks;
   with_fat.push_back(loose_fat);
