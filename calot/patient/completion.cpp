@@ -72,7 +72,7 @@ std::set<Structure> check_input(const CtImage& ct, const LabelMap& labels, const
   if (!whole(ct.grid, ct.hounsfield.size()) || !whole(labels.grid, labels.voxels.size()))
     throw InputError("labels", "or CT have no voxels, or not as many as their grid says");
   if (const std::string difference = grid_difference(ct.grid, labels.grid); !difference.empty())
-    throw InputError("labels", "are on another grid than the CT: " + difference,
+    throw InputError("labels", "are on another grid than the CT (CT and labels differ: " + difference + ")",
                      "resample the labels onto the CT, or give the CT that they were made on");
   std::set<Structure> there;
   for (const auto& [label, count] : voxel_counts(labels)) there.insert(static_cast<Structure>(label));
@@ -100,11 +100,34 @@ void warn_of_cuts(const CompletedAnatomy& anatomy, const VoxelGrid& grid, std::v
                                side_name(grid, cut.axis, cut.upper).c_str(), 1e4 * cut.area));
 }
 
+std::map<Structure, std::size_t> counts_of(const WorkLabels& labels, const auto& structures) {
+  std::map<Structure, std::size_t> counts;
+  for (const Structure s : structures) counts[s] = labels.count(s);
+  return counts;
+}
+
+/// Of structures that the steps from `first` on took more than a twentieth of.
+void warn_of_losses(const char* what, const std::map<Structure, std::size_t>& before, std::size_t first,
+                    CompletedAnatomy& anatomy) {
+  std::map<Structure, std::pair<std::size_t, double>> lost;  // voxels, mL
+  for (std::size_t s = first; s < anatomy.steps.size(); ++s) {
+    auto& [voxels, ml] = lost[anatomy.steps[s].structure];
+    voxels += anatomy.steps[s].removed;
+    ml += anatomy.steps[s].removed_ml;
+  }
+  for (const auto& [s, loss] : lost)
+    if (const auto was = before.find(s); was != before.end() && 20 * loss.first > was->second)
+      anatomy.warnings.push_back(text_of("%s took %.0f %% of the %s (%.3g mL); look whether its label is in pieces",
+                                         what, 100 * static_cast<double>(loss.first) / static_cast<double>(was->second),
+                                         std::string(name_of(s)).c_str(), loss.second));
+}
+
 WorkLabels on_working_grid(const CtImage& ct, const WorkLabels& labels, const WorkingGrid& chosen,
                            CompletedAnatomy& anatomy, Progress& progress) {
   anatomy.ct = resample_ct(ct, chosen.grid, progress);
   WorkLabels work = resample_labels(labels, chosen, progress);
   report_resampling(labels, work, chosen.detail, anatomy.steps);
+  if (!chosen.warning.empty()) anatomy.warnings.push_back(chosen.warning);
   anatomy.steps.push_back({"working grid", Structure::none, 0, 0, 0, 0, chosen.detail});
   return work;
 }
@@ -162,13 +185,14 @@ CompletedAnatomy complete_anatomy(const CtImage& ct, const LabelMap& labels, con
   WorkLabels work;
   {
     WorkLabels source = compact(labels, options.closing);
+    const std::map<Structure, std::size_t> given = counts_of(source, there);
     clean_labels(source, options, redrawn, anatomy.steps, progress);
+    warn_of_losses("cleaning", given, 0, anatomy);
     work = on_working_grid(ct, source, choose_working_grid(source, ct.grid, lines, options), anatomy, progress);
   }
   const DrawnTubes drawn = draw_tubes(work, lines, options, anatomy.steps, anatomy.warnings, progress);
   anatomy.lines = drawn.lines;
-  std::map<Structure, std::size_t> before;
-  for (const Structure s : there) before[s] = work.count(s);
+  const std::map<Structure, std::size_t> before = counts_of(work, there);
   if (options.fat) {
     progress.phase("completing: fat and bed");
     add_gallbladder_bed(work, anatomy.ct, options, anatomy.steps, anatomy.warnings);
@@ -176,7 +200,10 @@ CompletedAnatomy complete_anatomy(const CtImage& ct, const LabelMap& labels, con
     add_triangle_fat(work, anatomy.ct, anatomy.lines, options, anatomy.steps, anatomy.warnings);
   }
   progress.phase("completing: one piece each");
+  const std::map<Structure, std::size_t> scattered = counts_of(work, all_structures());
+  const std::size_t steps = anatomy.steps.size();
   keep_one_piece(work, anatomy.steps);
+  warn_of_losses("keeping one piece of each structure", scattered, steps, anatomy);
   check_result(work, there, drawn, before);
   anatomy.labels = {work.grid, {work.voxels.begin(), work.voxels.end()}, structure_names()};
   progress.at(1);

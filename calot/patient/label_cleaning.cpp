@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "calot/image/morphology.h"
 
@@ -27,9 +28,21 @@ void write_back(LabelEdit& edit, const WorkLabels& labels, const Region& region)
   });
 }
 
+/// Leaves a layer its largest part. Thick slices cut a thin one that slants into strips, which lie side by side from
+/// slice to slice and which resampling joins again: those belong together. In cubes it is what hangs together by
+/// corners.
+std::size_t keep_largest_layer(Mask& mask, const VoxelSize& size, const Vec3& spacing) {
+  Mask near = dilated(mask, size, spacing, spacing.maxCoeff() / std::numbers::sqrt2);
+  const std::size_t specks = keep_largest_part(near, size, Joined::by_corners);
+  for (std::size_t v = 0; v < mask.size(); ++v) mask[v] &= near[v];
+  return specks;
+}
+
 void keep_largest(LabelEdit& edit, const WorkLabels& labels, Region& region, std::vector<CompletionStep>& steps) {
-  const std::size_t specks = keep_largest_part(region.mask, region.box.size(),
-                                               is_tube(region.structure) ? Joined::by_corners : Joined::by_faces);
+  const VoxelSize size = region.box.size();
+  const Joined joined = is_tube(region.structure) ? Joined::by_corners : Joined::by_faces;
+  const std::size_t specks = is_layer(region.structure) ? keep_largest_layer(region.mask, size, labels.grid.spacing())
+                                                        : keep_largest_part(region.mask, size, joined);
   if (specks == 0) return;
   write_back(edit, labels, region);
   edit.report(steps, region.structure, "largest part kept",

@@ -7,7 +7,8 @@
 namespace calot {
 
 /// Cleans every structure but those in `leave`, on the labels' own grid:
-/// - parts other than the largest go (tubes may hang together by corners: thin ones do in coarse voxels);
+/// - parts other than the largest go; tubes may hang together by corners, as thin ones do in coarse voxels, and layers
+///   by strips of neighbouring slices that lie up to a slice's thickness or so apart;
 /// - enclosed holes up to `largest_hole` are filled;
 /// - an organ whose surface is ragged (`ragged_above`) becomes its opened-and-closed self; tubes, which an opening
 /// could

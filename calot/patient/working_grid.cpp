@@ -89,6 +89,22 @@ double thinnest_radius(const WorkLabels& labels, const std::vector<Centreline>& 
   return radius;
 }
 
+double voxels_of(const WorkingGrid& chosen) {
+  const auto& n = chosen.grid.size;
+  return static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
+}
+
+/// The finest grid that fits, given that `spacing` doesn't; the source's own voxels where they are no coarser.
+WorkingGrid within_limit(const VoxelGrid& source, const Eigen::AlignedBox3d& box, double spacing, bool own_are_good) {
+  const Vec3 own = source.spacing();
+  spacing = std::max(spacing, std::cbrt(box.sizes().cwiseProduct(own).prod() / most_voxels));
+  WorkingGrid chosen = resampled_grid(source, box, spacing);
+  while (voxels_of(chosen) > most_voxels) chosen = resampled_grid(source, box, spacing *= 1.001);  // counts are rounded
+  if (!own_are_good || own.maxCoeff() > spacing) return chosen;
+  WorkingGrid whole = cropped(source, box);
+  return voxels_of(whole) > most_voxels ? chosen : whole;
+}
+
 }  // namespace
 
 WorkingGrid choose_working_grid(const WorkLabels& labels, const VoxelGrid& source, const std::vector<Centreline>& lines,
@@ -99,18 +115,20 @@ WorkingGrid choose_working_grid(const WorkLabels& labels, const VoxelGrid& sourc
   double spacing = good ? own.maxCoeff() : options.spacing;
   std::string why = good ? "the CT's own voxels" : "as asked for";
   const double thin = 2 * thinnest_radius(labels, lines), need = std::max(finest, thin / 2.2);
-  if (need < spacing * (1 - 1e-9)) {
+  const bool finer = need < spacing * (1 - 1e-9);
+  if (finer) {
     spacing = need;
     why = text_of("for a tube that is %.2g mm wide", 1e3 * thin);
-    const double least = std::cbrt(box.sizes().cwiseProduct(own).prod() / most_voxels);
-    if (least > spacing) {
-      spacing = std::min(least, good ? own.maxCoeff() : options.spacing);
-      why += text_of(", but not more than %.0f million voxels", most_voxels / 1e6);
-    }
-  } else if (good) {
-    spacing = 0;
   }
-  WorkingGrid chosen = spacing > 0 ? resampled_grid(source, box, spacing) : cropped(source, box);
+  WorkingGrid chosen = good && !finer ? cropped(source, box) : resampled_grid(source, box, spacing);
+  if (voxels_of(chosen) > most_voxels) {
+    chosen = within_limit(source, box, spacing, good);
+    why += text_of(", but not more than %.0f million voxels", most_voxels / 1e6);
+    chosen.warning = text_of(
+        "the working grid has voxels of %.3g mm, not of %.3g mm (%s); crop CT and labels, or lower "
+        "the margin",
+        1e3 * chosen.grid.spacing().maxCoeff(), 1e3 * spacing, why.c_str());
+  }
   const Vec3 mm = 1e3 * chosen.grid.spacing();
   chosen.detail = text_of("%zu x %zu x %zu voxels of %.3g x %.3g x %.3g mm (%s), from %.3g x %.3g x %.3g mm",
                           chosen.grid.size[0], chosen.grid.size[1], chosen.grid.size[2], mm[0], mm[1], mm[2],

@@ -9,11 +9,13 @@ struct WorkingGrid {
   VoxelGrid grid;
   bool same_voxels = false;  ///< its voxels are the source's, only fewer of them
   std::string detail;        ///< in words
+  std::string warning;       ///< where it is coarser than it should be; else empty
 };
 
 /// Chooses the grid: the source's own voxels where they are isotropic (5 %) and at most 1 mm, else `options.spacing`;
-/// finer (0.4 mm at the finest, and no more than 80 million voxels) where the thinnest tube, drawn or labelled, needs
-/// it to be 2.2 voxels wide. It covers labels and lines with `options.margin` around, within the source's volume.
+/// finer (0.4 mm at the finest) where the thinnest tube, drawn or labelled, needs it to be 2.2 voxels wide. It covers
+/// labels and lines with `options.margin` around, within the source's volume. Where that makes more than 80 million
+/// voxels, the finest spacing that doesn't is taken, with a warning.
 WorkingGrid choose_working_grid(const WorkLabels& labels, const VoxelGrid& source, const std::vector<Centreline>& lines,
                                 const CompletionOptions& options);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "calot/base/error.h"
+#include "calot/patient/border.h"
 #include "tests/patient/completion_scene.h"
 
 namespace calot {
@@ -43,7 +44,8 @@ TEST(BadCompletion, TheSceneItselfIsGood) {
 TEST(BadCompletion, GridsThatDiffer) {
   Scene bad = scene();
   bad.labels.grid.to_world.translation() += Vec3(0, 0, 0.004);
-  expect_message(bad, {"labels", "another grid than the CT", "(0, 0, 4) mm", "resample"});
+  expect_message(bad, {"labels", "another grid than the CT",
+                       "CT and labels differ: the second is moved by (0, 0, 4) mm);", "resample"});
 }
 
 TEST(BadCompletion, MissingOrgans) {
@@ -128,6 +130,70 @@ TEST(BadCompletion, ALiverCutByTheBorderIsAWarning) {
   EXPECT_NEAR(face.area, 4e-6 * static_cast<double>(voxels), 1e-12);
   ASSERT_FALSE(anatomy.warnings.empty());
   EXPECT_NE(anatomy.warnings[0].find("the liver is cut by the volume's upper (superior) end"), std::string::npos);
+}
+
+TEST(BadCompletion, WhatMayBeCutIsWrittenDownAndTheRestRefused) {
+  for (const Structure s : all_structures()) {
+    LabelMap map;
+    map.grid.size = {4, 5, 6};
+    map.grid.to_world = Eigen::Affine3d(Eigen::Scaling(Vec3(1e-3, 2e-3, 3e-3)));
+    map.voxels.assign(map.grid.count(), 0);
+    map.voxels[map.grid.index(0, 2, 2)] = map.voxels[map.grid.index(0, 3, 2)] = label_of(s);
+    const bool may = s == Structure::liver || s == Structure::hepatocystic_fat || s == Structure::gallbladder_bed;
+    if (!may) {
+      EXPECT_THROW(border_cuts(map, {}), InputError) << name_of(s);
+      EXPECT_TRUE(border_cuts(map, {s}).empty());
+      continue;
+    }
+    const std::vector<BorderCut> cuts = border_cuts(map, {});
+    ASSERT_EQ(cuts.size(), 1u) << name_of(s);
+    EXPECT_EQ(cuts[0].structure, s);
+    EXPECT_EQ(cuts[0].axis, 0);
+    EXPECT_FALSE(cuts[0].upper);
+    EXPECT_LT((cuts[0].point - Vec3(-0.5e-3, 5e-3, 6e-3)).norm(), 1e-12);
+    EXPECT_NEAR(cuts[0].area, 12e-6, 1e-12);
+  }
+}
+
+/// A block of fat in the corner of the volume.
+void add_fat(Scene& s, std::size_t from, std::size_t to) {
+  for (std::size_t k = from; k < to; ++k)
+    for (std::size_t j = from; j < to; ++j)
+      for (std::size_t i = from; i < to; ++i)
+        s.labels.voxels[s.labels.grid.index(i, j, k)] = label_of(Structure::hepatocystic_fat);
+}
+
+std::string warnings_of(const Scene& s) {
+  CompletionOptions options;
+  options.fat = false;
+  Progress progress;
+  std::string all;
+  for (const std::string& warning : complete_anatomy(s.ct, s.labels, s.lines, options, progress).warnings)
+    all += warning + '\n';
+  return all;
+}
+
+TEST(BadCompletion, FatCutByTheBorderIsAWarning) {
+  Scene s = scene();
+  EXPECT_EQ(warnings_of(s), "");
+  add_fat(s, 1, 5);
+  EXPECT_EQ(warnings_of(s), "");
+  add_fat(s, 0, 4);
+  const std::string all = warnings_of(s);
+  for (const std::string side : {"left", "back (posterior)", "lower (inferior)"})
+    EXPECT_NE(all.find("the hepatocystic fat is cut by the volume's " + side + " end (0.6 cm²)"), std::string::npos)
+        << all;
+}
+
+TEST(BadCompletion, CleaningThatTakesMuchIsAWarning) {
+  Scene s = scene();
+  add_fat(s, 1, 6);
+  Scene much = s;
+  s.labels.voxels[s.labels.grid.index(9, 9, 9)] = label_of(Structure::hepatocystic_fat);  // 1 of 126
+  EXPECT_EQ(warnings_of(s), "");
+  add_fat(much, 8, 10);  // 8 of 133
+  EXPECT_NE(warnings_of(much).find("cleaning took 6 % of the hepatocystic fat (0.064 mL)"), std::string::npos)
+      << warnings_of(much);
 }
 
 TEST(BadCompletion, LinesOfNoKnownNameOrTwice) {

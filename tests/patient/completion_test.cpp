@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "calot/base/parallel.h"
+#include "calot/image/morphology.h"
 #include "calot/image/voxel_parts.h"
 #include "tests/patient/completion_scene.h"
 
@@ -176,6 +177,20 @@ TEST(Completion, KeepsFatAndBedThatAreThere) {
   const CompletedAnatomy anatomy = complete(scene, options);
   for (const Structure s : {Structure::hepatocystic_fat, Structure::gallbladder_bed})
     EXPECT_GE(overlap(anatomy.labels, s, false).dice(), 0.97) << name_of(s);
+}
+
+TEST(Completion, CleaningKeepsABedThatVeryThickSlicesCutIntoStrips) {
+  const Scene scene = make_scene({0.8, 0.8, 5}, true, [](Structure s) { return s != Structure::none; });
+  Mask bed(scene.labels.voxels.size());
+  for (std::size_t v = 0; v < bed.size(); ++v) bed[v] = scene.labels.voxels[v] == label_of(Structure::gallbladder_bed);
+  EXPECT_GT(keep_largest_part(bed, scene.labels.grid.size, Joined::by_faces), 0u) << "it is in strips";
+  const CompletedAnatomy anatomy = complete(scene);
+  for (const std::string& warning : anatomy.warnings) EXPECT_EQ(warning.find("bed"), std::string::npos) << warning;
+  for (const CompletionStep& step : anatomy.steps)
+    if (step.structure == Structure::gallbladder_bed) {
+      EXPECT_NE(step.step, "largest part kept") << step.removed_ml << " mL";
+      EXPECT_NE(step.step, "one piece each") << step.removed_ml << " mL";
+    }
 }
 
 TEST(Completion, LeavesFatAndBedAloneWhereAskedTo) {

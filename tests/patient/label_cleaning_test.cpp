@@ -117,6 +117,36 @@ TEST(LabelCleaning, AThinTubeHangsTogetherByCorners) {
   EXPECT_EQ(space.labels.count(Structure::cystic_duct), 20u);
 }
 
+TEST(LabelCleaning, ALayerStaysWholeThatThickSlicesCutIntoStrips) {
+  constexpr std::uint8_t bed = 9;
+  Space space;
+  space.labels.grid.size = {60, 20, 10};
+  space.labels.grid.to_world = Eigen::Affine3d(Eigen::Scaling(Vec3(0.8e-3, 0.8e-3, 5e-3)));
+  space.labels.voxels.resize(space.labels.grid.count());
+  for (int k = 0; k < 8; ++k)  // 3.2 mm wide, and 4.8 mm farther in every slice
+    for (int j = 2; j < 18; ++j)
+      for (int i = 0; i < 4; ++i) space.at(1 + 6 * k + i, j, 1 + k) = bed;
+  const auto whole = space.labels.voxels;
+  EXPECT_TRUE(clean(space).empty());
+  EXPECT_EQ(space.labels.voxels, whole);
+  space.at(50, 10, 1) = space.at(50, 11, 1) = bed;  // far off
+  const std::vector<CompletionStep> steps = clean(space);
+  ASSERT_EQ(steps.size(), 1u);
+  EXPECT_EQ(steps[0].removed, 2u);
+  EXPECT_EQ(space.labels.voxels, whole);
+}
+
+TEST(LabelCleaning, ALayerOfCubesHangsTogetherByCornersOnly) {
+  Space space = ball_of_liver();
+  constexpr std::uint8_t bed = 9;
+  for (int j = 2; j < 12; ++j)
+    for (int i = 0; i < 10; ++i) space.at(2 + i, j, 2 + i) = bed;
+  space.at(13, 5, 13) = bed;  // a voxel between
+  clean(space);
+  EXPECT_EQ(space.labels.count(Structure::gallbladder_bed), 100u);
+  EXPECT_EQ(space.at(13, 5, 13), 0);
+}
+
 TEST(LabelCleaning, WhatWillBeRedrawnIsLeft) {
   Space space = ball_of_liver();
   space.at(1, 1, 1) = liver;

@@ -164,6 +164,41 @@ TEST(WorkingGrid, IsFinerForThinTubesAndTheCtsOwnWhereItCan) {
   EXPECT_NEAR(spacing_for(2e-3), 0.92e-3, 1e-9);
 }
 
+TEST(WorkingGrid, HoldsNoMoreThan80MillionVoxelsWhateverAsksForThem) {
+  WorkLabels labels;  // 300 mm wide, on few voxels
+  labels.grid.size = {100, 100, 100};
+  labels.grid.to_world = Eigen::Affine3d(Eigen::Scaling(3e-3));
+  labels.voxels.assign(labels.grid.count(), static_cast<std::uint8_t>(label_of(Structure::liver)));
+  const auto of_ct = [&](const Vec3& spacing, double asked, const std::vector<Centreline>& lines) {
+    VoxelGrid ct;
+    for (std::size_t d = 0; d < 3; ++d)
+      ct.size[d] = static_cast<std::size_t>(std::lround(0.3 / spacing[static_cast<Eigen::Index>(d)]));
+    ct.to_world = Eigen::Translation3d(spacing / 2 - Vec3::Constant(1.5e-3)) * Eigen::Scaling(spacing);
+    CompletionOptions options;
+    options.spacing = asked;
+    return choose_working_grid(labels, ct, lines, options);
+  };
+  const auto expect_capped = [](const WorkingGrid& chosen, const std::string& why, const std::string& spacing) {
+    EXPECT_LE(chosen.grid.count(), 80'000'000u) << why;
+    EXPECT_GT(chosen.grid.count(), 78'000'000u) << why;
+    EXPECT_FALSE(chosen.same_voxels);
+    EXPECT_NEAR(chosen.grid.spacing()[0] * static_cast<double>(chosen.grid.size[0]), 0.3, 1e-3) << why;
+    const std::string told = "(" + why + ", but not more than 80 million voxels)";
+    EXPECT_NE(chosen.detail.find(told), std::string::npos) << chosen.detail;
+    EXPECT_NE(chosen.warning.find("mm, not of " + spacing + " mm " + told), std::string::npos) << chosen.warning;
+  };
+  expect_capped(of_ct({0.8e-3, 0.8e-3, 5e-3}, 0.3e-3, {}), "as asked for", "0.3");
+  expect_capped(of_ct({0.5e-3, 0.5e-3, 0.5e-3}, 0.7e-3, {}), "the CT's own voxels", "0.5");
+  const Centreline artery{"cystic artery", {{0.1, 0.1, 0.1}, {0.12, 0.1, 0.1}}, {0.5e-3, 0.5e-3}};
+  expect_capped(of_ct({0.8e-3, 0.8e-3, 5e-3}, 0.7e-3, {artery}), "for a tube that is 1 mm wide", "0.455");
+  const WorkingGrid fits = of_ct({0.8e-3, 0.8e-3, 5e-3}, 0.7e-3, {});
+  EXPECT_EQ(fits.warning, "");
+  EXPECT_NEAR(fits.grid.spacing()[0], 0.7e-3, 1e-12);
+  const WorkingGrid own = of_ct({0.699e-3, 0.699e-3, 0.699e-3}, 0.7e-3, {artery});
+  EXPECT_LT(own.grid.spacing().maxCoeff(), 0.699e-3) << "finer than the CT's as far as it goes";
+  EXPECT_NE(own.warning, "");
+}
+
 TEST(WorkingGrid, CtKeepsItsValuesBetweenAndBeyondVoxelCentres) {
   CtImage ct;
   ct.grid = test::oblique_grid({9, 8, 7}, {1e-3, 1e-3, 3e-3});
