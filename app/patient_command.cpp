@@ -79,6 +79,9 @@ void make(const PatientArguments& arguments) {
   if (request.name.empty()) request.name = folder.target().filename().string();
   if (arguments.overlap == "smaller") request.overlaps = OverlapRule::smaller;
   request.surface_unit = metres_per(arguments.surface_unit, "--surface-unit");
+  if (std::any_of(request.name.begin(), request.name.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }) ||
+      request.name.find_first_not_of(' ') == std::string::npos)
+    throw InputError("--name", "the patient's name is empty or has control characters", "give a line of text");
   folder.open();  // says at once if it can't be made
   MadePatient made = make_patient(request, {say, warn}, terminal_progress());
   made.provenance.versions["calot"] = CALOT_VERSION;

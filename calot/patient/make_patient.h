@@ -22,7 +22,7 @@ struct PatientRequest {
   OverlapRule overlaps = OverlapRule::refuse;
   bool resample_labels = false;
   double surface_unit = 1e-3;  ///< metres per unit of surfaces given as labels
-  std::size_t tets = 20000;  ///< at most
+  std::size_t tets = 20000;    ///< at most
 };
 
 /// Where the steps say what they found and did; one line each.

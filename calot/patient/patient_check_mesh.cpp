@@ -159,8 +159,11 @@ void check_attachments(const Patient& patient, Findings& findings) {
   check_both_kinds(patient, fixed, findings);
   for (const BorderCut& cut : patient.border_cuts) {
     const std::string where = "patient.toml, border cut of the " + std::string(name_of(cut.structure));
-    if (cut.structure != Structure::liver)
-      findings.error(where, "only a liver may be cut by the CT's border", "use a CT that holds the whole of it");
+    const bool may_be = cut.structure == Structure::liver || cut.structure == Structure::hepatocystic_fat ||
+                        cut.structure == Structure::gallbladder_bed;
+    if (!may_be)
+      findings.error(where, "only liver, fat and bed may be cut by the CT's border",
+                     "use a CT that holds the whole of it");
     constexpr double reach = 5e-3;  // the working grid and the mesh's facets move the face a little
     bool held = false;
     for (std::size_t v = 0; v < fixed.size() && !held; ++v)

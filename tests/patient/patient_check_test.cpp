@@ -363,7 +363,7 @@ TEST(PatientCheck, SupportsThatHoldNothingOrEverything) {
   });
   expect_finding(false, "border cut of the liver: no vertex on the cut face is held",
                  [](Patient& p) { p.border_cuts[0].point.z() += 0.02; });
-  expect_finding(true, "only a liver may be cut",
+  expect_finding(true, "only liver, fat and bed may be cut",
                  [](Patient& p) { p.border_cuts[0].structure = Structure::gallbladder; });
 }
 
