@@ -41,6 +41,15 @@ void write_compliance(const fs::path& folder) {
   save_compliance(folder / "C.h5", compliance, model, false, &terminal_progress());
 }
 
+/// An earlier patient.toml may hold a day's work by hand.
+void keep_edited(const fs::path& folder) {
+  if (!fs::exists(folder / "patient.toml")) return;
+  std::error_code code;
+  fs::copy_file(folder / "patient.toml", folder / "patient.toml.old", fs::copy_options::overwrite_existing, code);
+  if (code) throw FailedError((folder / "patient.toml.old").string(), "can't be written: " + code.message());
+  say("the earlier patient.toml is kept as patient.toml.old");
+}
+
 /// What an earlier patient in this folder had and this one hasn't would belong to nobody.
 void remove_stale(const fs::path& folder, const std::vector<std::string>& files) {
   std::vector<std::string> stale{"C.h5"};
@@ -58,6 +67,7 @@ void write_folder(const PatientArguments& arguments, const MadePatient& made, St
   std::vector<fs::path> inputs = arguments.request.centrelines;
   inputs.insert(inputs.end(), {arguments.request.ct, arguments.request.labels, arguments.request.table});
   folder.require_apart(files, inputs);
+  keep_edited(folder.target());
   folder.fill(
       [&](const fs::path& place) {
         terminal_progress().phase("writing");

@@ -43,8 +43,8 @@ std::vector<std::string> all_files(const fs::path& folder) {
 
 TEST(PatientCommand, GoesFromAPhantomToACheckedFolder) {
   const PhantomFolder folder;
-  const Outcome made =
-      calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("anna"), "--tets", "14000", "--compliance"});
+  const Outcome made = calot_run(
+      {"patient", folder.ct(), folder.labels(), "-o", folder.name("anna"), "--tets", "14000", "--compliance"});
   ASSERT_EQ(made.code, 0) << made.err;
   for (const char* part : {"is the gallbladder", "mesh: ", "closed and manifold", "held: ", "wrote "})
     EXPECT_NE(made.out.find(part), std::string::npos) << part << " isn't in\n" << made.out;
@@ -75,6 +75,7 @@ TEST(PatientCommand, GoesFromAPhantomToACheckedFolder) {
       calot_run({"patient", folder.ct(), folder.labels(), "-o", folder.name("again"), "--tets", "15000"});
   ASSERT_EQ(anew.code, 0) << anew.err;
   EXPECT_FALSE(fs::exists(folder / "again" / "C.h5"));
+  EXPECT_TRUE(read_bytes(folder / "again" / "patient.toml.old") == read_bytes(folder / "anna" / "patient.toml"));
 
   // Damaged, and edited by hand with mistakes.
   write_bytes(folder / "anna" / "C.h5", std::string(10, 'x'));
