@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "calot/image/voxel_box.h"
+
 namespace calot {
 namespace {
 
@@ -13,17 +15,6 @@ struct VoxelParts {
   std::vector<std::size_t> voxels;   // of each part
   std::vector<std::uint8_t> region;  // of each part
 };
-
-template <class Visit>
-void for_face_neighbours(std::size_t v, const std::array<std::size_t, 3>& size, const Visit& visit) {
-  const std::size_t slice = size[0] * size[1], i = v % size[0], j = v / size[0] % size[1], k = v / slice;
-  if (i > 0) visit(v - 1);
-  if (i + 1 < size[0]) visit(v + 1);
-  if (j > 0) visit(v - size[0]);
-  if (j + 1 < size[1]) visit(v + size[0]);
-  if (k > 0) visit(v - slice);
-  if (k + 1 < size[2]) visit(v + slice);
-}
 
 VoxelParts find_parts(const std::vector<std::uint8_t>& regions, const std::array<std::size_t, 3>& size) {
   VoxelParts parts;
