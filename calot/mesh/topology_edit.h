@@ -19,12 +19,22 @@ struct AddedTet {
   TetId parent;  ///< the removed old tet it is a piece of; gives region and material
 };
 
+/// A vertex whose rest position slides along an edge of the mesh, as when it snaps onto a blade. The tets around it stay,
+/// in a new shape.
+struct MovedVertex {
+  VertexId vertex;    ///< old id
+  VertexId to;        ///< the other end of the edge, old id
+  double weight = 0;  ///< how far along the edge, 0 … 1; carries velocities, temperatures … along
+  Vec3 position;      ///< new rest position [m]
+};
+
 /// What to change, in numbers of the mesh before the edit.
 struct TopologyEdit {
   std::vector<TetId> removed;  ///< ascending, unique
   std::vector<AddedVertex> vertices;
   std::vector<AddedTet> tets;
-  [[nodiscard]] bool empty() const { return removed.empty() && vertices.empty() && tets.empty(); }
+  std::vector<MovedVertex> moved;  ///< ascending by vertex, unique
+  [[nodiscard]] bool empty() const { return removed.empty() && vertices.empty() && tets.empty() && moved.empty(); }
 };
 
 /// What an edit did: how old numbers map to new ones. Survivors keep their order; added ones follow them.
@@ -34,9 +44,12 @@ struct Remap {
   std::vector<VertexId> vertex_to_old;   ///< new n; none() for added vertices
   std::vector<TetId> tet_to_old;         ///< new m; for an added tet none()
   std::vector<VertexId> orphaned;        ///< old ids of vertices that lost their last tet, ascending
-  std::vector<VertexId> touched;         ///< old ids of surviving vertices of removed or added tets, ascending
+  std::vector<VertexId> touched;  ///< old ids of surviving vertices of removed, added or reshaped tets, ascending
   std::vector<VertexId> added_vertices;  ///< new ids
   std::vector<TetId> added_tets;         ///< new ids
+  std::vector<AddedVertex> added_from;   ///< where each of `added_vertices` comes from, old ids
+  std::vector<TetId> added_parents;      ///< what each of `added_tets` is a piece of, old ids
+  std::vector<MovedVertex> moved;        ///< as in the edit, old ids
 };
 
 /// Applies an edit: removes tets, adds vertices and tets, drops vertices that no tet uses any more, and renumbers.

@@ -14,6 +14,7 @@ LINE = ["base", "mesh", "fem", "compliance", "cut", "contact", "sim", "trainer"]
 ALLOWED = {room: set(LINE[:i]) for i, room in enumerate(LINE)}
 ALLOWED["image"] = {"base", "mesh"}
 ALLOWED["patient"] = {"base", "mesh", "image"}
+ALLOWED["scene"] = {"base", "mesh", "fem", "compliance", "cut", "contact", "sim", "image", "patient"}
 ALLOWED["device"] = {"base"} | set(LINE)
 ALLOWED["view"] = {"base"} | set(LINE)
 

@@ -1,0 +1,2 @@
+#include "calot/contact/friction.h"
+#include "calot/contact/tissue_contact.h"

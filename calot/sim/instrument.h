@@ -1,0 +1,50 @@
+// Instruments as the simulation knows them: articulated rigid shapes with jaws, blades or a hook.
+#pragma once
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "calot/contact/rigid_shape.h"
+
+namespace calot {
+
+enum class InstrumentKind : std::uint8_t {
+  bowel_grasper,    ///< two fenestrated jaws
+  curved_forceps,   ///< dissector, two curved jaws
+  clip_applier,     ///< two jaws that hold and close a clip
+  scissors,         ///< two blades that cut what they sweep
+  hook,             ///< monopolar L-hook, energy by the pedal
+  suction,          ///< suction and irrigation tube
+};
+
+/// What a hand, a device or a script asks of one instrument at the end of a step.
+struct InstrumentInput {
+  Pose pose;            ///< of the instrument's frame: origin at the jaws' pivot (or the tube's end), +z out of the tip
+  double opening = 0;   ///< angle between the jaws, 0 … geometry's max_opening [rad]
+  double grip = 0;      ///< closing force wanted at the jaws, ≥ 0 [N]
+  bool energy = false;  ///< pedal: cautery on
+  bool fire = false;    ///< close and leave a clip (on the change from false to true)
+};
+
+/// The rigid parts of an instrument, in its frame, with the jaws closed. Jaw a turns by +opening/2 about x, b by −.
+struct InstrumentGeometry {
+  InstrumentKind kind = InstrumentKind::bowel_grasper;
+  RigidShape shaft, jaw_a, jaw_b;  ///< jaws are empty for hook and suction
+  double max_opening = 0;          ///< [rad]
+  double jaw_length = 0;           ///< from the pivot to the tips [m]
+  double jaw_width = 0;            ///< across, along x [m]
+  double grip_stiffness = 0;       ///< how much the held tissue is pulled per displacement of the tool, all points [N/m]
+  double max_grip = 0;             ///< [N]
+};
+
+/// The usual 5 mm instruments (clip applier 10 mm). Source of each size: docs/simulation.md.
+InstrumentGeometry instrument_geometry(InstrumentKind kind);
+std::string_view name_of(InstrumentKind kind);
+
+/// The three parts (shaft, jaw a, jaw b) in the instrument's frame at an opening.
+struct ArticulatedPoses {
+  Pose shaft, jaw_a, jaw_b;
+};
+ArticulatedPoses articulate(const InstrumentGeometry& geometry, double opening);
+
+}  // namespace calot

@@ -1,0 +1,3 @@
+#include "calot/contact/friction.h"
+
+#include <gtest/gtest.h>
