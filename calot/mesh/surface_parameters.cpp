@@ -73,9 +73,15 @@ bool place_in(const Surface& surface, const Triangle& t, const Vec3& point, Vec3
 class Transfer {
  public:
   Transfer(const TexturedSurface& before, const Remap& remap, TexturedSurface& after, double sharpness)
-      : before_(before), remap_(remap), after_(after), sharpness_(sharpness), set_(after.rest.size(), false) {
+      : original_(before),
+        before_(before),
+        remap_(remap),
+        after_(after),
+        sharpness_(sharpness),
+        set_(after.rest.size(), false) {
     index_before();
   }
+  void move_vertices();
   void keep_vertices();
   void match_faces();
   void match_copies();
@@ -83,18 +89,21 @@ class Transfer {
  private:
   void index_before();
   void match_piece(std::size_t face);
+  bool match_piece_in(const Surface& surface, std::size_t face, std::uint32_t whole);
   void take(std::uint32_t to, std::uint32_t from);
   void interpolate(std::uint32_t to, const Triangle& triangle, const Vec3& place);
   [[nodiscard]] VertexId old_vertex(std::uint32_t v) const {
     return remap_.vertex_to_old[after_.surface.vertex_of_mesh[v].index()];
   }
 
-  const TexturedSurface& before_;
+  const TexturedSurface& original_;
+  TexturedSurface before_;  // with the vertices that the edit moves at their new places; those that leave it stay unset
   const Remap& remap_;
   TexturedSurface& after_;
   double sharpness_;
   std::vector<bool> set_;                                  // of the vertices after the edit: parameters carried over
   std::vector<std::uint32_t> surface_vertex_;              // of the mesh's vertices before it, or nowhere
+  std::vector<bool> left_;                                 // of the vertices before it: moved off the surface
   std::vector<std::pair<FaceKey, std::uint8_t>> staying_;  // faces of tets that stay, sorted; with their flags
   std::vector<std::uint32_t> lost_;                        // triangles whose tet is gone
 };
@@ -114,7 +123,31 @@ void Transfer::index_before() {
   std::sort(staying_.begin(), staying_.end());
 }
 
+/// Vertices that slide along the surface take what it has where they come to lie; positions are those of the new place.
+void Transfer::move_vertices() {
+  left_.assign(original_.rest.size(), false);
+  for (const MovedVertex& moved : remap_.moved) {
+    const std::uint32_t v = surface_vertex_[moved.vertex.index()];
+    if (v == nowhere) continue;
+    before_.surface.positions[v] = before_.rest[v] = moved.position;
+    left_[v] = true;
+    for (const Triangle& t : original_.surface.triangles) {
+      Vec3 place;
+      if (std::find(t.begin(), t.end(), v) == t.end() || !place_in(original_.surface, t, moved.position, place))
+        continue;
+      Vec3 normal = Vec3::Zero();
+      for (int c = 0; c < 3; ++c) normal += place[c] * original_.normals[t[static_cast<std::size_t>(c)]];
+      if (!(normal.norm() > 1e-3)) continue;  // a fold: the faces around it know better
+      before_.normals[v] = normal.normalized();
+      before_.weights[v] = weights_of(before_.normals[v], sharpness_);
+      left_[v] = false;
+      break;
+    }
+  }
+}
+
 void Transfer::take(std::uint32_t to, std::uint32_t from) {
+  if (left_[from]) return;  // the rest shape after the edit knows better
   after_.rest[to] = before_.rest[from];
   after_.normals[to] = before_.normals[from];
   after_.weights[to] = before_.weights[from];
@@ -152,27 +185,30 @@ void Transfer::match_faces() {
   }
 }
 
-/// A face of an added tet: a piece of a face that lost its tet, or laid open.
+/// A face of an added tet: a piece of a face that lost its tet, or laid open. That face may have moved a corner first.
 void Transfer::match_piece(std::size_t face) {
-  const Triangle& piece = after_.surface.triangles[face];
-  const Vec3 normal = area_normal(after_.surface, piece);
-  for (const std::uint32_t t : lost_) {
-    const Triangle& whole = before_.surface.triangles[t];
-    std::array<Vec3, 3> places;
-    bool inside = normal.dot(area_normal(before_.surface, whole)) > 0;
-    for (std::size_t c = 0; c < 3 && inside; ++c)
-      inside = place_in(before_.surface, whole, after_.surface.positions[piece[c]], places[c]);
-    if (!inside) continue;
-    after_.exposed[face] = before_.exposed[t];
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (set_[piece[c]]) continue;
-      const auto corner = std::find_if(whole.begin(), whole.end(), [&](std::uint32_t v) {
-        return before_.surface.positions[v] == after_.surface.positions[piece[c]];
-      });
-      corner != whole.end() ? take(piece[c], *corner) : interpolate(piece[c], whole, places[c]);
-    }
-    return;
+  for (const std::uint32_t t : lost_)
+    if (match_piece_in(before_.surface, face, t)) return;
+  if (remap_.moved.empty()) return;
+  for (const std::uint32_t t : lost_)
+    if (match_piece_in(original_.surface, face, t)) return;
+}
+
+bool Transfer::match_piece_in(const Surface& surface, std::size_t face, std::uint32_t whole_face) {
+  const Triangle &piece = after_.surface.triangles[face], &whole = surface.triangles[whole_face];
+  std::array<Vec3, 3> places;
+  if (!(area_normal(after_.surface, piece).dot(area_normal(surface, whole)) > 0)) return false;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (!place_in(surface, whole, after_.surface.positions[piece[c]], places[c])) return false;
+  after_.exposed[face] = before_.exposed[whole_face];
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (set_[piece[c]]) continue;
+    const auto corner = std::find_if(whole.begin(), whole.end(), [&](std::uint32_t v) {
+      return before_.surface.positions[v] == after_.surface.positions[piece[c]];
+    });
+    corner != whole.end() ? take(piece[c], *corner) : interpolate(piece[c], whole, places[c]);
   }
+  return true;
 }
 
 /// Copies that touch the surface with a corner only: by place.
@@ -220,6 +256,7 @@ TexturedSurface after_edit(const TexturedSurface& before, const TetMesh& mesh, c
                            double sharpness) {
   TexturedSurface after = bare(mesh, region, sharpness);
   Transfer transfer(before, remap, after, sharpness);
+  transfer.move_vertices();
   transfer.keep_vertices();
   transfer.match_faces();
   transfer.match_copies();

@@ -25,10 +25,10 @@ struct TexturedSurface {
 TexturedSurface textured_surface(const TetMesh& mesh, std::int32_t region, double sharpness);
 
 /// The same surface after an edit. Vertices that stay on it keep rest position, normal and weights bit for bit; a split
-/// vertex hands its own to its copy; a vertex that an edit puts on an edge or face of the surface takes them from there
-/// by interpolation; what lies open for the first time gets them from the rest shape. A face is exposed when it neither
-/// was on the surface before nor is a piece of one that was; pieces inherit the flag. Where two regions come apart
-/// along the face between them, that face was on the surface of each and stays unflagged.
+/// vertex hands its own to its copy; a vertex that an edit moves along the surface, or puts on an edge or face of it,
+/// takes them from there by interpolation; what lies open for the first time gets them from the rest shape. A face is
+/// exposed when it neither was on the surface before nor is a piece of one that was; pieces inherit the flag. Where two
+/// regions come apart along the face between them, that face was on the surface of each and stays unflagged.
 /// @param before  of the mesh before the edit
 /// @param mesh    after it
 TexturedSurface after_edit(const TexturedSurface& before, const TetMesh& mesh, const Remap& remap, std::int32_t region,

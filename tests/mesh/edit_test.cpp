@@ -71,7 +71,7 @@ void expect_consistent(const TetMesh& before, const TetMesh& after, const Topolo
     for (int c = 0; c < 4; ++c)
       EXPECT_EQ(after.tet(remap.tet_to_new[t])[c], remap.vertex_to_new[before.tets[t][c].index()]);
   }
-  const EditExtent extent = extent_of(before, vertex_tets(before), edit);
+  const EditExtent extent = extent_of(before, edit);
   EXPECT_EQ(extent.orphaned, orphaned);
   EXPECT_EQ(extent.touched, touched);
 }
@@ -206,7 +206,7 @@ TEST(Edit, BadEditsAreRefusedAndLeaveTheMeshAlone) {
   const TetMesh before = mesh;
   const auto refused = [&](const TopologyEdit& edit) {
     EXPECT_THROW(apply(mesh, edit), InputError);
-    EXPECT_THROW(extent_of(before, vertex_tets(before), edit), InputError);
+    EXPECT_THROW(extent_of(before, edit), InputError);
     EXPECT_EQ(mesh.tets, before.tets);
     EXPECT_EQ(mesh.positions, before.positions);
   };
