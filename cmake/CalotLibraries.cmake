@@ -48,3 +48,11 @@ function(calot_find_itk)
   target_include_directories(calot_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
   target_link_libraries(calot_itk INTERFACE ${ITK_LIBRARIES})
 endfunction()
+
+# Siconos judges the friction solver in tests and benchmarks. It ships no CMake files; its headers name each other with
+# and without their folder.
+function(calot_find_siconos)
+  calot_find_library(calot_siconos_numerics siconos/numerics/NonSmoothDrivers.h siconos_numerics)
+  target_include_directories(calot_siconos_numerics SYSTEM INTERFACE
+    ${calot_siconos_numerics_INCLUDE_DIR}/siconos ${calot_siconos_numerics_INCLUDE_DIR}/siconos/numerics)
+endfunction()

@@ -23,14 +23,14 @@ enum class ContactPartner : std::uint8_t {
 struct TissueContact {
   SurfacePoint point;
   ContactPartner partner = ContactPartner::shape;
-  std::uint32_t shape = 0;              ///< number of the moving shape, or of the still surface
-  SurfacePoint other;                   ///< on the tissue, for ContactPartner::tissue
-  Vec3 place = Vec3::Zero();            ///< the partner's touching point at the start of the step [m]
-  Vec3 normal = Vec3::UnitZ();          ///< unit, from the partner towards the tissue
-  double gap = 0;                       ///< distance at the start of the step, < 0 where they overlap [m]
-  Vec3 partner_motion = Vec3::Zero();   ///< how the partner's touching point moves in this step [m]
-  double friction = 0;                  ///< Coulomb's coefficient
-  std::uint64_t key = 0;                ///< names the pair of features from step to step, for warm starts
+  std::uint32_t shape = 0;             ///< number of the moving shape, or of the still surface
+  SurfacePoint other;                  ///< on the tissue, for ContactPartner::tissue
+  Vec3 place = Vec3::Zero();           ///< the partner's touching point at the start of the step [m]
+  Vec3 normal = Vec3::UnitZ();         ///< unit, from the partner towards the tissue
+  double gap = 0;                      ///< distance at the start of the step, < 0 where they overlap [m]
+  Vec3 partner_motion = Vec3::Zero();  ///< how the partner's touching point moves in this step [m]
+  double friction = 0;                 ///< Coulomb's coefficient
+  std::uint64_t key = 0;               ///< names the pair of features from step to step, for warm starts
 };
 
 }  // namespace calot

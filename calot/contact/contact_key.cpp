@@ -1,2 +1,0 @@
-#include "calot/contact/friction.h"
-#include "calot/contact/tissue_contact.h"
