@@ -1,0 +1,367 @@
+#include "calot/cut/split.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "calot/base/error.h"
+#include "calot/cut/separate.h"
+#include "calot/cut/split_plan.h"
+#include "calot/cut/tet_angles.h"
+#include "calot/mesh/tet_faces.h"
+
+namespace calot {
+namespace {
+
+using detail::FaceKey;
+using detail::Meeting;
+using detail::SplitPatch;
+using detail::SplitPlan;
+using detail::SweptPlane;
+
+void check(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> current, const SplitOptions& options) {
+  if (current.size() != mesh.vertex_count() || around.start.size() != mesh.vertex_count() + 1)
+    throw InputError("split", "positions or tets around vertices don't fit the mesh", "give one for each vertex");
+  if (!options.fixed.empty() && options.fixed.size() != mesh.vertex_count())
+    throw InputError("split", "fixed has another size than the mesh has vertices", "give one flag for each vertex");
+  if (!(options.flatness > 0) || !(options.margin >= 0) || !std::isfinite(options.flatness + options.margin))
+    throw InputError("split", "flatness must be a length > 0 and margin one ≥ 0", "give metres");
+  if (!(options.smallest_angle >= 0) || options.smallest_angle > 60)
+    throw InputError("split", "smallest_angle must be within 0 … 60 degrees", "use 3");
+  for (const VertexId v : options.on_cut)
+    if (v.index() >= mesh.vertex_count())
+      throw InputError("split", "on_cut names a vertex that doesn't exist", "bring it up to date with follow()");
+}
+
+/// A face of a piece, all of whose corners lie on the cut.
+struct CutFace {
+  FaceKey key;
+  std::uint32_t piece;
+  std::uint32_t opposite;  // the piece's fourth corner
+  friend auto operator<=>(const CutFace&, const CutFace&) = default;
+};
+
+/// Carries a plan out: bisects, finds the faces that open, separates, and writes the edit.
+class Splitter {
+ public:
+  Splitter(const TetMesh& mesh, const SplitPatch& patch, const SplitPlan& plan, const SweptPlane& blade,
+           const SplitOptions& options)
+      : mesh_(mesh), patch_(patch), plan_(plan), blade_(blade), options_(options) {}
+
+  SplitEdit run() {
+    bisect();
+    mark_corners();
+    const std::vector<FaceKey> open = faces_to_open();
+    edit_.report.separated = open.size();
+    measure(open);
+    origins_ = detail::separate_fans(pieces_, open, static_cast<std::uint32_t>(fresh_.size()));
+    edit_.report.copies = origins_.size();
+    write_vertices();
+    write_tets();
+    write_marks();
+    return std::move(edit_);
+  }
+
+ private:
+  void bisect() {
+    detail::Pieces pieces;
+    for (std::uint32_t t = 0; t < patch_.tet.size(); ++t) {
+      plan_.pieces_of(t, pieces);
+      pieces_.insert(pieces_.end(), pieces.begin(), pieces.end());
+      parent_.insert(parent_.end(), pieces.size(), t);
+    }
+  }
+
+  /// Which corners this sweep put on the cut, and which lie on it since earlier.
+  void mark_corners() {
+    const std::size_t n = patch_.vertex.size();
+    fresh_.assign(n + patch_.edges.size(), 0);
+    on_cut_.assign(fresh_.size(), 0);
+    for (std::uint32_t v = 0; v < patch_.core; ++v) {
+      const Meeting meeting = plan_.meeting(v);
+      const bool in_plane = patch_.side[v] == 0 && blade_.covers(patch_.now[v]);
+      fresh_[v] = meeting == Meeting::taken || meeting == Meeting::slid || in_plane ? 1 : 0;
+      on_cut_[v] = fresh_[v] != 0 || patch_.on_cut[v] != 0 ? 1 : 0;
+    }
+    for (std::uint32_t e = 0; e < patch_.edges.size(); ++e) on_cut_[n + e] = fresh_[n + e] = plan_.bisected(e) ? 1 : 0;
+  }
+
+  [[nodiscard]] double height(std::uint32_t corner) const { return blade_.height(plan_.now(corner)); }
+
+  /// Which side of the cut a piece lies on, from a face of it in the cut; 0 if all its corners are on the cut.
+  [[nodiscard]] int side_of(const CutFace& face) const {
+    if (on_cut_[face.opposite] != 0) return 0;
+    const auto& [a, b, c] = face.key;
+    if (fresh_[a] != 0 && fresh_[b] != 0 && fresh_[c] != 0 && patch_.side[face.opposite] != 0)
+      return patch_.side[face.opposite];
+    const Vec3 centre = (plan_.now(a) + plan_.now(b) + plan_.now(c)) / 3;
+    Vec3 normal = (plan_.now(b) - plan_.now(a)).cross(plan_.now(c) - plan_.now(a));
+    if (normal.dot(blade_.normal()) < 0) normal = -normal;
+    return normal.dot(plan_.now(face.opposite) - centre) < 0 ? -1 : 1;
+  }
+
+  /// A face with corners from earlier sweeps belongs to this cut only if it lies about as the blade does.
+  [[nodiscard]] bool lies_along(const FaceKey& key) const {
+    const auto& [a, b, c] = key;
+    if (fresh_[a] != 0 && fresh_[b] != 0 && fresh_[c] != 0) return true;
+    const Vec3 u = plan_.now(b) - plan_.now(a), v = plan_.now(c) - plan_.now(a);
+    return std::abs(u.cross(v).normalized().dot(blade_.normal())) >= 0.5;
+  }
+
+  std::vector<CutFace> faces_on_cut() const {
+    std::vector<CutFace> faces;
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+      for (std::size_t f = 0; f < 4; ++f) {
+        const auto& tet = pieces_[p];
+        const auto& c = detail::face_corners[f];
+        if (on_cut_[tet[c[0]]] == 0 || on_cut_[tet[c[1]]] == 0 || on_cut_[tet[c[2]]] == 0) continue;
+        const FaceKey key = detail::face_key(tet[c[0]], tet[c[1]], tet[c[2]]);
+        if (lies_along(key)) faces.push_back({key, p, tet[f]});
+      }
+    std::sort(faces.begin(), faces.end());
+    return faces;
+  }
+
+  /// Sides of the pieces that have faces on the cut. A piece with all corners on it goes with its neighbours where they
+  /// agree, and by its centroid where they don't.
+  std::vector<std::int8_t> sides_of_pieces(const std::vector<CutFace>& faces) const {
+    std::vector<std::int8_t> side(pieces_.size(), 0);
+    std::vector<std::uint32_t> flat;
+    for (const CutFace& face : faces) {
+      side[face.piece] = static_cast<std::int8_t>(side_of(face));
+      if (side[face.piece] == 0) flat.push_back(face.piece);
+    }
+    std::sort(flat.begin(), flat.end());
+    flat.erase(std::unique(flat.begin(), flat.end()), flat.end());
+    while (!flat.empty()) {
+      std::vector<std::array<bool, 2>> beside(flat.size(), {false, false});
+      const auto look = [&](std::uint32_t piece, std::uint32_t neighbour) {
+        const auto at = std::lower_bound(flat.begin(), flat.end(), piece);
+        if (at == flat.end() || *at != piece || side[neighbour] == 0) return;
+        beside[static_cast<std::size_t>(at - flat.begin())][side[neighbour] > 0 ? 1 : 0] = true;
+      };
+      for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+        if (faces[i].key != faces[i + 1].key) continue;
+        look(faces[i].piece, faces[i + 1].piece);
+        look(faces[i + 1].piece, faces[i].piece);
+      }
+      std::vector<std::uint32_t> left;
+      for (std::size_t i = 0; i < flat.size(); ++i) {
+        const auto [below, above] = beside[i];
+        if (below != above)
+          side[flat[i]] = above ? 1 : -1;
+        else if (below)
+          side[flat[i]] = height_of_middle(flat[i]) < 0 ? -1 : 1;
+        else
+          left.push_back(flat[i]);
+      }
+      if (left.size() == flat.size()) {  // joined to nothing but each other
+        for (const std::uint32_t piece : left) side[piece] = 1;
+        left.clear();
+      }
+      flat = std::move(left);
+    }
+    return side;
+  }
+
+  [[nodiscard]] double height_of_middle(std::uint32_t piece) const {
+    double sum = 0;
+    for (const std::uint32_t c : pieces_[piece]) sum += height(c);
+    return sum;
+  }
+
+  std::vector<FaceKey> faces_to_open() const {
+    const std::vector<CutFace> faces = faces_on_cut();
+    const std::vector<std::int8_t> side = sides_of_pieces(faces);
+    std::vector<FaceKey> open;
+    for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+      if (faces[i].key != faces[i + 1].key) continue;
+      const std::uint32_t p = faces[i].piece, q = faces[i + 1].piece;
+      if (side[p] == side[q] || patch_.allowed[parent_[p]] == 0 || patch_.allowed[parent_[q]] == 0) continue;
+      open.push_back(faces[i].key);
+    }
+    return open;
+  }
+
+  void measure(const std::vector<FaceKey>& open) {
+    SplitReport& report = edit_.report;
+    report.crossed = patch_.edges.size();
+    double farthest = 0;
+    const auto see = [&](std::uint32_t corner) {
+      if (fresh_[corner] != 0) farthest = std::max(farthest, std::abs(height(corner)) + blade_.unevenness());
+    };
+    for (std::uint32_t v = 0; v < patch_.vertex.size(); ++v) {
+      report.taken_as_on += plan_.meeting(v) == Meeting::taken ? 1 : 0;
+      if (plan_.meeting(v) != Meeting::slid) continue;
+      ++report.snapped;
+      see(v);
+    }
+    for (std::uint32_t e = 0; e < patch_.edges.size(); ++e) {
+      if (!plan_.bisected(e)) continue;
+      ++report.bisected;
+      see(static_cast<std::uint32_t>(patch_.vertex.size() + e));
+    }
+    for (const FaceKey& face : open)
+      for (const std::uint32_t corner : face) see(corner);
+    report.largest_distance = farthest;
+    measure_pieces();
+  }
+
+  void measure_pieces() {
+    SplitReport& report = edit_.report;
+    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+      const std::uint32_t t = parent_[p];
+      const auto& now = pieces_[p];
+      const auto& old = patch_.corners[t];
+      const auto slid = [&](std::uint32_t v) { return plan_.meeting(v) == Meeting::slid; };
+      if (now == old && std::none_of(old.begin(), old.end(), slid)) continue;
+      const std::array<Vec3, 4> x{plan_.rest(now[0]), plan_.rest(now[1]), plan_.rest(now[2]), plan_.rest(now[3])};
+      const double angle = detail::smallest_dihedral(x[0], x[1], x[2], x[3]);
+      report.angle_after = std::min(report.angle_after, angle);
+      if (angle < options_.smallest_angle) ++report.too_sharp;
+      report.volume_change += signed_volume(x[0], x[1], x[2], x[3]);
+      if (p > 0 && parent_[p - 1] == t) continue;
+      const auto& r = patch_.rest;
+      report.angle_before =
+          std::min(report.angle_before, detail::smallest_dihedral(r[old[0]], r[old[1]], r[old[2]], r[old[3]]));
+      report.volume_change -= signed_volume(r[old[0]], r[old[1]], r[old[2]], r[old[3]]);
+    }
+  }
+
+  /// The old vertices that a corner lies between, and how far along.
+  [[nodiscard]] AddedVertex origin_of(std::uint32_t corner) const {
+    const std::size_t n = patch_.vertex.size();
+    if (corner >= n) {
+      const detail::CrossedEdge& edge = patch_.edges[corner - n];
+      return {plan_.rest(corner), patch_.vertex[edge.a], patch_.vertex[edge.b],
+              plan_.share(static_cast<std::uint32_t>(corner - n))};
+    }
+    const VertexId v = patch_.vertex[corner];
+    if (plan_.meeting(corner) != Meeting::slid) return {plan_.rest(corner), v, v, 0};
+    const detail::CrossedEdge& edge = patch_.edges[plan_.slid_along(corner)];
+    return edge.a == corner ? AddedVertex{plan_.rest(corner), v, patch_.vertex[edge.b], edge.share}
+                            : AddedVertex{plan_.rest(corner), v, patch_.vertex[edge.a], 1 - edge.share};
+  }
+
+  void write_vertices() {
+    const std::size_t n = patch_.vertex.size();
+    number_.resize(fresh_.size() + origins_.size());
+    const auto add = [&](std::size_t corner, std::uint32_t origin) {
+      number_[corner] = VertexId(mesh_.vertex_count() + edit_.vertices.size());
+      edit_.vertices.push_back(origin_of(origin));
+    };
+    for (std::uint32_t v = 0; v < n; ++v) {
+      number_[v] = patch_.vertex[v];
+      if (plan_.meeting(v) != Meeting::slid) continue;
+      const AddedVertex slid = origin_of(v);
+      edit_.moved.push_back({slid.from, slid.to, slid.weight, slid.position});
+    }
+    std::sort(edit_.moved.begin(), edit_.moved.end(),
+              [](const MovedVertex& a, const MovedVertex& b) { return a.vertex < b.vertex; });
+    for (std::uint32_t e = 0; e < patch_.edges.size(); ++e)
+      if (plan_.bisected(e)) add(n + e, static_cast<std::uint32_t>(n + e));
+    for (std::size_t k = 0; k < origins_.size(); ++k) add(fresh_.size() + k, origins_[k]);
+  }
+
+  void write_tets() {
+    for (std::size_t begin = 0, end = 0; begin < pieces_.size(); begin = end) {
+      const std::uint32_t t = parent_[begin];
+      while (end < pieces_.size() && parent_[end] == t) ++end;
+      if (end == begin + 1 && pieces_[begin] == patch_.corners[t]) continue;
+      edit_.removed.push_back(patch_.tet[t]);
+      for (std::size_t p = begin; p < end; ++p) {
+        Tet tet;
+        for (std::size_t c = 0; c < 4; ++c) tet[c] = number_[pieces_[p][c]];
+        edit_.tets.push_back({tet, patch_.tet[t]});
+      }
+    }
+  }
+
+  /// Vertices of the cut that are single still: where the stroke goes on.
+  void write_marks() {
+    std::vector<std::uint8_t> open = on_cut_;
+    for (const std::uint32_t origin : origins_) open[origin] = 0;
+    std::vector<VertexId>& marks = edit_.report.on_cut;
+    for (std::size_t c = 0; c < open.size(); ++c)
+      if (open[c] != 0) marks.push_back(number_[c]);
+    // Marks that the sweep did not come near.
+    for (const VertexId v : options_.on_cut) {
+      const bool near = std::binary_search(patch_.vertex.begin(),
+                                           patch_.vertex.begin() + static_cast<std::ptrdiff_t>(patch_.core), v);
+      if (!near) marks.push_back(v);
+    }
+    std::sort(marks.begin(), marks.end());
+    marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+  }
+
+  const TetMesh& mesh_;
+  const SplitPatch& patch_;
+  const SplitPlan& plan_;
+  const SweptPlane& blade_;
+  const SplitOptions& options_;
+  detail::Pieces pieces_;                     // after bisection
+  std::vector<std::uint32_t> parent_;         // patch tet of each piece
+  std::vector<std::uint8_t> fresh_, on_cut_;  // of corners
+  std::vector<std::uint32_t> origins_;        // of copies
+  std::vector<VertexId> number_;              // of corners and copies in the edit
+  SplitEdit edit_;
+};
+
+void write_notes(const SplitOptions& options, const SweptPlane& blade, SplitEdit& edit) {
+  std::vector<std::string>& notes = edit.report.notes;
+  if (edit.empty())
+    notes.emplace_back("nothing is cut: the blade crosses no tetrahedron of the region");
+  else if (edit.report.separated == 0)
+    notes.emplace_back("no face was swept as a whole yet, so nothing opens");
+  if (blade.unevenness() > options.flatness)
+    notes.push_back("the sweep is bent: its corners lie up to " + std::to_string(blade.unevenness() * 1e3) +
+                    " mm off the plane that was cut along");
+  if (edit.report.too_sharp > 0)
+    notes.push_back(std::to_string(edit.report.too_sharp) + " pieces have dihedral angles below " +
+                    std::to_string(options.smallest_angle) + "°, the smallest " +
+                    std::to_string(edit.report.angle_after) + "°");
+}
+
+SplitEdit split_along(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> current,
+                      const SweptPlane& blade, const SplitOptions& options) {
+  if (options.region != "*") regions_matching(mesh, options.region, "region");
+  SplitPatch patch;
+  if (!blade.empty()) patch = detail::gather_patch(mesh, around, current, blade, options);
+  SplitEdit edit;
+  if (patch.tet.empty()) {
+    edit.report.on_cut.assign(options.on_cut.begin(), options.on_cut.end());
+    std::sort(edit.report.on_cut.begin(), edit.report.on_cut.end());
+  } else {
+    SplitPlan plan(patch, options);
+    plan.search();
+    edit = Splitter(mesh, patch, plan, blade, options).run();
+  }
+  write_notes(options, blade, edit);
+  return edit;
+}
+
+}  // namespace
+
+SplitEdit split(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> current, const Sweep& sweep,
+                const SplitOptions& options) {
+  check(mesh, around, current, options);
+  return split_along(mesh, around, current, SweptPlane(sweep, options.margin), options);
+}
+
+SplitEdit split(const TetMesh& mesh, const Blade& blade, const SplitOptions& options) {
+  const VertexTets around = vertex_tets(mesh);
+  check(mesh, around, mesh.positions, options);
+  return split_along(mesh, around, mesh.positions, SweptPlane(blade, options.margin), options);
+}
+
+std::vector<VertexId> follow(std::span<const VertexId> on_cut, const Remap& remap) {
+  std::vector<VertexId> now;
+  for (const VertexId v : on_cut) {
+    const std::size_t n = remap.vertex_to_new.size();
+    const VertexId fresh = v.index() < n ? remap.vertex_to_new[v.index()] : remap.added_vertices.at(v.index() - n);
+    if (fresh.valid()) now.push_back(fresh);
+  }
+  return now;
+}
+
+}  // namespace calot
