@@ -1,0 +1,73 @@
+// One implicit step of the tissue: free motion, and the answer to forces on it.
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "calot/sim/corotational.h"
+#include "calot/sim/spring.h"
+#include "calot/sim/tissue_state.h"
+
+namespace calot {
+
+struct SolverOptions {
+  double tolerance = 1e-6;  ///< of ‖b − Â d‖/‖b‖
+  int iterations = 60;      ///< at most; a step that needs more says so and goes on with what it has
+};
+
+struct SolverReport {
+  int iterations = 0;
+  double residual = 0;  ///< ‖b − Â d‖/‖b‖ reached
+  bool converged = true;
+};
+
+/// z ≈ Â⁻¹ r, symmetric positive definite; n vectors each.
+using Preconditioner = std::function<void(std::span<const Vec3> r, std::span<Vec3> z)>;
+
+/// Â d = b of one step, with Â = ((1 + hα) M + (h² + hβ) K_R)/h² + springs and d the displacement within the step; fixed
+/// vertices stay. Tissue is what `Corotational` says at the rotations it has. Source: docs/simulation.md.
+class Motion {
+ public:
+  Motion() = default;
+  explicit Motion(const Model& model);
+  /// After an edit or a change of stiffness.
+  void follow(const Model& model);
+
+  /// Begins a step: what acts on the tissue. External forces [N] are n, or empty.
+  /// b = M v/h + f_elastic(x) + M g + f_external + springs.
+  void begin(const Corotational& tissue, const TissueState& state, const Vec3& gravity, std::span<const Spring> springs,
+             std::span<const Vec3> external);
+  /// The displacement d of the begun step, by conjugate gradients from rest: were the cap on iterations to bind, a start
+  /// from rest loses energy, never gains it.
+  SolverReport solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d);
+  /// Adds Â⁻¹ f to d, by conjugate gradients from `guess`, its estimate.
+  SolverReport add_response(std::span<const Vec3> f, std::span<const Vec3> guess, const Preconditioner& preconditioner,
+                            const SolverOptions& options, std::span<Vec3> d);
+  /// y = Â x; zero on fixed vertices.
+  void multiply(std::span<const Vec3> x, std::span<Vec3> y) const;
+
+  /// ‖M (v' − v)/h − all forces at the end of the step‖ / ‖b‖ with rotations and elastic forces taken anew at the new
+  /// positions: how far the linear step is from the true corotational one. `contact` are the contact forces, n or empty.
+  double nonlinear_residual(const Corotational& tissue, const TissueState& before, std::span<const Vec3> d,
+                            std::span<const Vec3> contact) const;
+
+  [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
+  [[nodiscard]] std::span<const Vec3> right_side() const { return b_; }
+  [[nodiscard]] double time_step() const { return dynamics_.time_step; }
+
+ private:
+  SolverReport conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
+                                   const SolverOptions& options, double scale, bool from_zero, std::span<Vec3> d);
+  void add_springs(const TissueState& state);
+
+  Dynamics dynamics_;
+  std::vector<double> masses_;
+  std::vector<std::uint8_t> fixed_;
+  const Corotational* tissue_ = nullptr;  // of the begun step
+  std::span<const Spring> springs_;
+  Vec3 gravity_ = Vec3::Zero();
+  std::vector<Vec3> external_;
+  std::vector<Vec3> b_, r_, z_, p_, q_, response_;
+};
+
+}  // namespace calot

@@ -1,0 +1,318 @@
+#include "calot/sim/warped_compliance.h"
+
+#include <algorithm>
+
+#include "calot/base/parallel.h"
+#include "calot/compliance/blas.h"
+
+namespace calot {
+namespace {
+
+constexpr std::uint32_t none = ~0u;
+using Index = Eigen::Index;
+
+// A·B, single-threaded, on whatever the processor does best.
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd c(a.rows(), b.cols());
+  if (c.size() == 0) return c;
+  const auto size = [](Index i) { return static_cast<std::size_t>(i); };
+  if (a.cols() == 0) return Eigen::MatrixXd::Zero(a.rows(), b.cols());
+  blas::gemm('N', 'N', size(a.rows()), size(b.cols()), size(a.cols()), 1, a.data(), size(a.rows()), b.data(),
+             size(b.rows()), 0, c.data(), size(c.rows()));
+  return c;
+}
+
+Eigen::Quaterniond mean_rotation(const VertexTets& around, std::size_t v,
+                                 std::span<const Eigen::Quaterniond> rotations) {
+  Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+  for (std::uint32_t k = around.start[v]; k < around.start[v + 1]; ++k) {
+    const Eigen::Vector4d& q = rotations[around.tets[k].index()].coeffs();
+    if (sum.dot(q) < 0)
+      sum -= q;
+    else
+      sum += q;
+  }
+  const double length = sum.norm();
+  return length > 1e-12 ? Eigen::Quaterniond(Eigen::Vector4d(sum / length)) : Eigen::Quaterniond::Identity();
+}
+
+}  // namespace
+
+std::vector<Eigen::Quaterniond> vertex_rotations(const VertexTets& around,
+                                                 std::span<const Eigen::Quaterniond> of_tets) {
+  std::vector<Eigen::Quaterniond> result(around.start.size() - 1);
+  parallel_blocks(result.size(), 512, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t v = begin; v < end; ++v) result[v] = mean_rotation(around, v, of_tets);
+  });
+  return result;
+}
+
+WarpedCompliance::WarpedCompliance(const BaseRequest& request)
+    : base_slots_(request.model.mesh().vertex_count()),
+      fixed_(request.model.fixed()),
+      tet_rotation_(request.rotations),
+      slot_rotation_(vertex_rotations(vertex_tets(request.model.mesh()), request.rotations)) {
+  const double young = request.model.materials().begin()->second.young;
+  const Dynamics& dynamics = request.model.dynamics();
+  const std::vector<double> masses = request.model.vertex_masses();
+  double mass = 0;
+  for (const double m : masses) mass += m;
+  // Of the size of Â's diagonal: a spring across a millimetre or two of tissue, and the mean inertia.
+  own_stiffness_ = young * 2e-3 + dynamics.mass_factor() * mass / static_cast<double>(masses.size());
+  origin_.resize(base_slots_);
+  for (std::size_t s = 0; s < base_slots_; ++s) origin_[s] = static_cast<std::uint32_t>(s);
+  slot_of_vertex_ = vertex_of_slot_ = origin_;
+  place_.assign(base_slots_, -1);
+  pending_.place.assign(base_slots_, -1);
+  for (const Spring& spring : request.springs)
+    springs_.push_back({slot_of_vertex_[spring.vertex.index()],
+                        spring.other.valid() ? slot_of_vertex_[spring.other.index()] : none, spring.stiffness});
+}
+
+void WarpedCompliance::Change::add(std::uint32_t a, std::uint32_t b, const Mat3& block) {
+  for (const std::uint32_t slot : {a, b})
+    if (place[slot] < 0) {
+      place[slot] = static_cast<std::int32_t>(slots.size());
+      slots.push_back(slot);
+    }
+  blocks.push_back({{a, b}, block});
+}
+
+const Eigen::Quaterniond& WarpedCompliance::base_rotation(std::uint32_t slot) const {
+  return slot_rotation_[origin_[slot]];
+}
+
+void WarpedCompliance::add_slots(const Remap& remap) {
+  for (std::size_t k = 0; k < remap.added_vertices.size(); ++k) {
+    const AddedVertex& from = remap.added_from[k];
+    const std::uint32_t origin = slot_of_vertex_[(from.weight < 0.5 ? from.from : from.to).index()];
+    origin_.push_back(origin_[origin]);
+    fixed_.push_back(fixed_[slot_of_vertex_[from.from.index()]] && fixed_[slot_of_vertex_[from.to.index()]]);
+    place_.push_back(-1);
+    pending_.place.push_back(-1);
+    vertex_of_slot_.push_back(none);
+  }
+}
+
+void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const Remap& remap) {
+  const std::vector<std::uint32_t> slots_before = slot_of_vertex_;
+  const auto first_new = static_cast<std::uint32_t>(origin_.size());
+  add_slots(remap);
+  slot_of_vertex_.assign(remap.vertex_to_old.size(), none);
+  for (std::size_t v = 0; v < slot_of_vertex_.size(); ++v)
+    if (remap.vertex_to_old[v].valid()) slot_of_vertex_[v] = slots_before[remap.vertex_to_old[v].index()];
+  for (std::size_t k = 0; k < remap.added_vertices.size(); ++k)
+    slot_of_vertex_[remap.added_vertices[k].index()] = first_new + static_cast<std::uint32_t>(k);
+  std::fill(vertex_of_slot_.begin(), vertex_of_slot_.end(), none);
+  for (std::size_t v = 0; v < slot_of_vertex_.size(); ++v)
+    vertex_of_slot_[slot_of_vertex_[v]] = static_cast<std::uint32_t>(v);
+
+  // A slot that comes later stands in the base with σ I alone, one that dies ends with it.
+  for (std::uint32_t s = first_new; s < origin_.size(); ++s)
+    if (free(s)) pending_.add(s, s, -own_stiffness_ * Mat3::Identity());
+  for (const VertexId v : remap.orphaned)
+    if (const std::uint32_t s = slots_before[v.index()]; free(s))
+      pending_.add(s, s, own_stiffness_ * Mat3::Identity());
+  for (const ElementChange& change : changes) {
+    const Mat3 r = tet_rotation_[change.tet.index()].toRotationMatrix();
+    const std::vector<std::uint32_t>& slot_of = change.enters ? slot_of_vertex_ : slots_before;
+    for (Index a = 0; a < 4; ++a)
+      for (Index b = 0; b < 4; ++b) {
+        const std::uint32_t sa = slot_of[change.vertices[static_cast<std::size_t>(a)].index()],
+                            sb = slot_of[change.vertices[static_cast<std::size_t>(b)].index()];
+        if (!free(sa) || !free(sb)) continue;
+        const Mat3 block = r * change.stiffness.block<3, 3>(3 * a, 3 * b) * r.transpose();
+        pending_.add(sa, sb, change.enters ? block : Mat3(-block));
+      }
+  }
+  std::vector<Eigen::Quaterniond> rotations(remap.tet_to_old.size(), Eigen::Quaterniond::Identity());
+  for (std::size_t t = 0; t < rotations.size(); ++t)
+    if (remap.tet_to_old[t].valid()) rotations[t] = tet_rotation_[remap.tet_to_old[t].index()];
+  for (std::size_t k = 0; k < remap.added_tets.size(); ++k)
+    rotations[remap.added_tets[k].index()] = tet_rotation_[remap.added_parents[k].index()];
+  tet_rotation_ = std::move(rotations);
+}
+
+void WarpedCompliance::add_spring(const SpringEntry& spring, double sign) {
+  const bool a = free(spring.a), b = spring.b != none && free(spring.b);
+  if (a) pending_.add(spring.a, spring.a, sign * spring.stiffness);
+  if (b) pending_.add(spring.b, spring.b, sign * spring.stiffness);
+  if (a && b) {
+    pending_.add(spring.a, spring.b, -sign * spring.stiffness);
+    pending_.add(spring.b, spring.a, -sign * spring.stiffness);
+  }
+}
+
+void WarpedCompliance::set_springs(std::span<const Spring> springs, double damping_factor) {
+  std::vector<SpringEntry> now;
+  now.reserve(springs.size());
+  for (const Spring& spring : springs)
+    now.push_back({slot_of_vertex_[spring.vertex.index()],
+                   spring.other.valid() ? slot_of_vertex_[spring.other.index()] : none,
+                   (1 + spring.damping * damping_factor) * spring.stiffness});
+  const auto same = [](const SpringEntry& x, const SpringEntry& y) {
+    return x.a == y.a && x.b == y.b && (x.stiffness - y.stiffness).norm() <= 0.05 * y.stiffness.norm();
+  };
+  if (std::equal(now.begin(), now.end(), springs_.begin(), springs_.end(), same)) return;
+  std::vector<std::uint8_t> kept(springs_.size(), 0);
+  std::vector<SpringEntry> fresh, all;
+  for (const SpringEntry& spring : now) {
+    const auto old = std::find_if(springs_.begin(), springs_.end(), [&](const SpringEntry& s) { return same(spring, s); });
+    if (old != springs_.end() && !kept[static_cast<std::size_t>(old - springs_.begin())]) {
+      kept[static_cast<std::size_t>(old - springs_.begin())] = 1;
+      all.push_back(*old);
+    } else {
+      add_spring(spring, 1);
+      all.push_back(spring);
+    }
+  }
+  for (std::size_t k = 0; k < springs_.size(); ++k)
+    if (!kept[k]) add_spring(springs_[k], -1);
+  springs_ = std::move(all);
+}
+
+void WarpedCompliance::set_base(std::unique_ptr<WarpedBase> base) {
+  base_ = std::move(base);
+  x_.resize(base_->single.size());
+}
+
+std::vector<std::uint32_t> WarpedCompliance::touched_rows(const WarpedBase& base) const {
+  std::vector<std::uint32_t> rows;
+  for (const std::vector<std::uint32_t>* slots : {&touched_, &pending_.slots})
+    for (const std::uint32_t slot : *slots)
+      if (slot < base_slots_ && base.row_of_slot[slot] >= 0)
+        rows.push_back(static_cast<std::uint32_t>(base.row_of_slot[slot]));
+  return rows;
+}
+
+// C0 between slots; later ones are alone with 1/σ.
+Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a,
+                                             std::span<const std::uint32_t> b) const {
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(3 * static_cast<Index>(a.size()), 3 * static_cast<Index>(b.size()));
+  const auto column = [&](std::uint32_t slot) {
+    return slot < base_slots_ ? base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[slot])) : -1;
+  };
+  std::vector<std::int32_t> column_a(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) column_a[i] = column(a[i]);
+  for (std::size_t j = 0; j < b.size(); ++j) {
+    const std::int32_t cb = column(b[j]);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      auto target = block.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j));
+      if (column_a[i] >= 0 && cb >= 0)
+        target = base_->ready.compliance().block<3, 3>(column_a[i], cb);
+      else if (a[i] == b[j])
+        target = Mat3::Identity() / own_stiffness_;
+    }
+  }
+  return block;
+}
+
+// K' = K + V k Vᵀ for the change δ on the slots U, with C' the compliance before it:
+// k = δ (I + C'_UU δ)⁻¹ and C'_:U = C0_:T V, so that V = [−K C0_TU; 1 at U].
+void WarpedCompliance::settle() {
+  if (pending_.slots.empty()) return;
+  const std::vector<std::uint32_t> slots = pending_.slots;
+  std::vector<std::uint32_t> rows;
+  for (const std::uint32_t slot : slots)
+    if (slot < base_slots_) rows.push_back(static_cast<std::uint32_t>(base_->row_of_slot[slot]));
+  base_->ready.add(base_->factor, rows);
+  const Index width = 3 * static_cast<Index>(slots.size()), before = 3 * static_cast<Index>(touched_.size());
+  Eigen::MatrixXd delta = Eigen::MatrixXd::Zero(width, width);
+  for (const auto& [at, block] : pending_.blocks)
+    delta.block<3, 3>(3 * Index{pending_.place[at[0]]}, 3 * Index{pending_.place[at[1]]}) += block;
+  const Eigen::MatrixXd across = base_block(touched_, slots);
+  const Eigen::MatrixXd through = product(correction_, across);
+  Eigen::MatrixXd compliance = base_block(slots, slots);
+  if (before > 0) compliance -= product(across.transpose(), through);
+  Eigen::MatrixXd system = product(compliance, delta);
+  system.diagonal().array() += 1;
+  // k = δ X⁻¹, from Xᵀ kᵀ = δ.
+  Eigen::MatrixXd k = system.transpose().partialPivLu().solve(delta);
+  k = (0.5 * (k + k.transpose())).eval();
+
+  for (const std::uint32_t slot : slots)
+    if (place_[slot] < 0) {
+      place_[slot] = static_cast<std::int32_t>(touched_.size());
+      touched_.push_back(slot);
+    }
+  const Index after = 3 * static_cast<Index>(touched_.size());
+  Eigen::MatrixXd v = Eigen::MatrixXd::Zero(after, width);
+  v.topRows(before) = -through;
+  for (std::size_t i = 0; i < slots.size(); ++i)
+    v.block<3, 3>(3 * Index{place_[slots[i]]}, 3 * static_cast<Index>(i)) += Mat3::Identity();
+  Eigen::MatrixXd grown = product(product(v, k), v.transpose());
+  grown.topLeftCorner(before, before) += correction_;
+  correction_ = std::move(grown);
+  for (const std::uint32_t slot : slots) pending_.place[slot] = -1;
+  pending_.slots.clear();
+  pending_.blocks.clear();
+}
+
+void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations) {
+  turn_.resize(vertex_rotations.size());
+  for (std::size_t v = 0; v < turn_.size(); ++v)
+    turn_[v] = (vertex_rotations[v] * base_rotation(slot_of_vertex_[v]).conjugate()).toRotationMatrix();
+}
+
+// C0_T: f, from y = L⁻¹ P f.
+void WarpedCompliance::touched_part(const float* y, std::span<const Vec3> f, Eigen::VectorXd& a) const {
+  const std::vector<std::uint32_t>& rows = base_->ready.rows();
+  std::vector<float> packed(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) packed[i] = y[rows[i]];
+  const Eigen::Map<const Eigen::VectorXf> at_rows(packed.data(), static_cast<Index>(packed.size()));
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    const std::uint32_t slot = touched_[k];
+    auto target = a.segment<3>(3 * static_cast<Index>(k));
+    if (slot < base_slots_) {
+      const std::int32_t column = base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[slot]));
+      for (Index c = 0; c < 3; ++c)
+        target[c] = Eigen::Map<const Eigen::VectorXf>(base_->ready.column(column + c), at_rows.size()).dot(at_rows);
+    } else {
+      target = vertex_of_slot_[slot] == none
+                   ? Vec3(Vec3::Zero())
+                   : Vec3(turn_[vertex_of_slot_[slot]].transpose() * f[vertex_of_slot_[slot]] / own_stiffness_);
+    }
+  }
+}
+
+void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
+  std::fill(x_.begin(), x_.end(), 0.0f);
+  for (std::size_t v = 0; v < f.size(); ++v) {
+    const std::uint32_t slot = slot_of_vertex_[v];
+    if (slot >= base_slots_ || base_->row_of_slot[slot] < 0) continue;
+    const Vec3 turned = turn_[v].transpose() * f[v];
+    for (int i = 0; i < 3; ++i) x_[static_cast<std::size_t>(base_->row_of_slot[slot] + i)] = static_cast<float>(turned[i]);
+  }
+  base_->single.forward(x_.data(), work_);
+  Eigen::VectorXd b;
+  if (!touched_.empty()) {
+    Eigen::VectorXd a(3 * static_cast<Index>(touched_.size()));
+    touched_part(x_.data(), f, a);
+    b = correction_ * a;
+    const std::vector<std::uint32_t>& rows = base_->ready.rows();
+    Eigen::VectorXf back = Eigen::VectorXf::Zero(static_cast<Index>(rows.size()));
+    for (std::size_t k = 0; k < touched_.size(); ++k) {
+      if (touched_[k] >= base_slots_) continue;
+      const std::int32_t column = base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[k]]));
+      for (Index c = 0; c < 3; ++c)
+        back += static_cast<float>(b[3 * static_cast<Index>(k) + c]) *
+                Eigen::Map<const Eigen::VectorXf>(base_->ready.column(column + c), back.size());
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) x_[rows[i]] -= back[static_cast<Index>(i)];
+  }
+  base_->single.backward(x_.data(), work_);
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    const std::uint32_t slot = slot_of_vertex_[v];
+    if (!free(slot)) {
+      x[v].setZero();
+    } else if (slot < base_slots_) {
+      const float* from = x_.data() + base_->row_of_slot[slot];
+      x[v] = turn_[v] * Vec3(from[0], from[1], from[2]);
+    } else {
+      const Vec3 held = place_[slot] < 0 ? Vec3(Vec3::Zero()) : Vec3(b.segment<3>(3 * Index{place_[slot]}));
+      x[v] = (f[v] - turn_[v] * held) / own_stiffness_;
+    }
+  }
+}
+
+}  // namespace calot
