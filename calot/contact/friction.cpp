@@ -114,7 +114,16 @@ class Solver {
     }
   }
 
-  bool newton_step(double before);
+  /// All violations together.
+  [[nodiscard]] double merit() const {
+    double sum = 0;
+    for (Index i = 0; i < k_; ++i) {
+      const double v = violation(i);
+      sum += v * v;
+    }
+    return std::sqrt(sum);
+  }
+  bool newton_step();
 
  private:
   /// Three rows of Newton's system: what must vanish at contact i, and its derivative by the active contacts' forces.
@@ -162,9 +171,11 @@ void Solver::linearise(Index i, Index row, const std::vector<Index>& active) {
       slides ? Vector2d(w * (force.tail<2>() - limit * direction)) : Vector2d(motion.tail<2>());
 }
 
-/// One step of semi-smooth Newton on the Alart–Curnier function, shortened until the residual falls.
-/// @return whether it fell
-bool Solver::newton_step(double before) {
+/// One step of semi-smooth Newton on the Alart–Curnier function. It is shortened while that helps, and taken even where
+/// nothing helps: the function is not smooth, and going uphill once is the way out of a corner. Forces may leave their
+/// cones on the way. @return false if there is no step
+bool Solver::newton_step() {
+  const double before = merit();
   const VectorXd from = forces_;
   std::vector<Index> active;
   VectorXd pressed = VectorXd::Zero(from.size());
@@ -181,12 +192,22 @@ bool Solver::newton_step(double before) {
   const VectorXd step = n > 0 ? VectorXd(jacobian_.partialPivLu().solve(value_)) : VectorXd();
   for (std::size_t a = 0; a < active.size(); ++a)
     pressed.segment<3>(3 * active[a]) -= step.segment<3>(3 * static_cast<Index>(a));
-  for (double share = 1; share > 0.1 && pressed.allFinite(); share *= 0.5) {
-    take_allowed(from + share * (pressed - from));
-    if (residual() < before) return true;
+  if (!pressed.allFinite()) {
+    take_forces(from);
+    return false;
   }
-  take_forces(from);
-  return false;
+  VectorXd best;
+  double least = std::numeric_limits<double>::infinity();
+  for (double share = 1; share > 0.05 && !(least < 0.9 * before); share *= 0.5) {
+    take_forces(from + share * (pressed - from));
+    if (const double now = merit(); now < least) {
+      least = now;
+      best = forces_;
+    }
+  }
+  if (best.size() == 0) best = from;
+  take_forces(best);
+  return true;
 }
 
 }  // namespace
@@ -214,7 +235,7 @@ FrictionSolution solve_friction(const FrictionProblem& problem, std::span<const 
       solution.forces = solver.forces();
     }
   };
-  constexpr int sweeps_before_newton = 12;
+  constexpr int sweeps_before_newton = 12, newton_steps_in_a_row = 30;
   int sweeps = 0, until = sweeps_before_newton;
   while (solution.residual > options.tolerance && solution.iterations < options.iterations) {
     solver.sweep();
@@ -222,15 +243,19 @@ FrictionSolution solve_friction(const FrictionProblem& problem, std::span<const 
     keep_best();
     if (++sweeps < until) continue;
     sweeps = 0;
-    for (int n = 0; n < 10 && solution.residual > options.tolerance && solution.iterations < options.iterations; ++n) {
+    for (int n = 0;
+         n < newton_steps_in_a_row && solution.residual > options.tolerance && solution.iterations < options.iterations;
+         ++n) {
       ++solution.iterations;
       ++solution.newton_steps;
-      const bool fell = solver.newton_step(solver.residual());
+      if (!solver.newton_step()) break;
       keep_best();
-      if (!fell) break;
     }
     until = std::min(2 * until, 48);
   }
+  // Newton's forces may lie outside their cones by as much as the tolerance; inside is better where it costs nothing.
+  solver.take_allowed(solution.forces);
+  if (solver.residual() <= std::max(options.tolerance, solution.residual)) solution.forces = solver.forces();
   // The motion was kept up to date by differences: judge what is returned from the start.
   solution.residual = friction_residual(problem, solution.forces);
   solution.converged = solution.residual <= options.tolerance;
