@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::uint32_t no_row = ~0u;
 
+}  // namespace
+
 std::vector<std::uint8_t> active_slots(const Compliance::Impl& impl) {
   std::vector<std::uint8_t> active(impl.slots());
-  for (std::size_t s = 0; s < active.size(); ++s) active[s] = !impl.fixed[s] && !impl.dead[s];
+  for (std::size_t s = 0; s < active.size(); ++s) active[s] = impl.is_free(s);
   return active;
 }
-
-}  // namespace
 
 std::vector<std::uint32_t> Compliance::Impl::rows_of(std::span<const DofId> dofs) const {
   std::vector<std::uint32_t> rows;
@@ -47,9 +47,13 @@ std::vector<std::uint32_t> Compliance::Impl::rows_of(std::span<const DofId> dofs
 MatrixXd Compliance::Impl::to_rows(const MatrixXd& x) const {
   MatrixXd result(static_cast<Index>(3 * slot_of_row.size()), x.cols());
   for (Index j = 0; j < x.cols(); ++j)
-    for (std::size_t r = 0; r < slot_of_row.size(); ++r)
-      result.col(j).segment<3>(static_cast<Index>(3 * r)) =
-          !in_base(slot_of_row[r]) ? Vec3::Zero() : Vec3(x.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])));
+    for (std::size_t r = 0; r < slot_of_row.size(); ++r) {
+      auto at = result.col(j).segment<3>(static_cast<Index>(3 * r));
+      if (slot_of_row[r] != no_slot && in_base(slot_of_row[r]))
+        at = x.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r]));
+      else
+        at.setZero();
+    }
   return result;
 }
 
@@ -57,7 +61,7 @@ MatrixXd Compliance::Impl::to_slots(const MatrixXd& x) const {
   MatrixXd result = MatrixXd::Zero(static_cast<Index>(3 * slots()), x.cols());
   for (Index j = 0; j < x.cols(); ++j)
     for (std::size_t r = 0; r < slot_of_row.size(); ++r)
-      if (in_base(slot_of_row[r]))
+      if (slot_of_row[r] != no_slot && in_base(slot_of_row[r]))
         result.col(j).segment<3>(static_cast<Index>(3 * slot_of_row[r])) =
             x.col(j).segment<3>(static_cast<Index>(3 * r));
   return result;
@@ -118,7 +122,13 @@ MatrixXd Compliance::Impl::apply(const MatrixXd& forces, int refinements) const 
 
 namespace {
 
-// Factors Â, and inverts it for a dense home; `into` is a matrix to write over, if it has the right size.
+// Doubles to take for a matrix of n rows that is to be written into again and again while splits add some; what is not
+// used is not paid for.
+std::size_t room_for(std::size_t n) {
+  return n * n + n * n / 16;
+}
+
+// Factors Â, and inverts it for a dense home; `into` is a matrix to write over, if it is large enough.
 std::unique_ptr<ComplianceBase> make_base(Backend backend, const std::shared_ptr<const FactorPattern>& pattern,
                                           const BlockMatrix& stiffness, std::span<const std::uint8_t> active,
                                           std::span<const std::uint8_t> dead, Buffer into, Progress* progress) {
@@ -127,16 +137,17 @@ std::unique_ptr<ComplianceBase> make_base(Backend backend, const std::shared_ptr
   if (backend == Backend::sparse) return std::make_unique<SparseBase>(std::move(factor));
   if (progress) progress->phase("inverting");
   const std::size_t n = factor.size();
-  if (into.size() != n * n) into = Buffer(n * n);
+  if (into.size() < n * n) into = Buffer(room_for(n));
   invert(factor, into.data(), progress);
   return std::make_unique<DenseBase>(std::move(into), n);
 }
 
 }  // namespace
 
-void Compliance::Impl::lay_out_rows(std::shared_ptr<const FactorPattern> made) {
-  active = active_slots(*this);
-  pattern = made ? std::move(made) : std::make_shared<FactorPattern>(analyse(stiffness, active));
+void Compliance::Impl::lay_out_rows(std::shared_ptr<const FactorPattern> made, std::vector<std::uint8_t> of_slots) {
+  pattern = std::move(made);
+  active = std::move(of_slots);
+  active.resize(slots(), 0);
   std::vector<std::uint32_t> slot_of_active;
   for (std::size_t s = 0; s < slots(); ++s)
     if (active[s]) slot_of_active.push_back(static_cast<std::uint32_t>(s));
@@ -147,65 +158,124 @@ void Compliance::Impl::lay_out_rows(std::shared_ptr<const FactorPattern> made) {
     row_of_slot[slot_of_row[p]] = static_cast<std::int32_t>(3 * p);
   }
   correction = Correction(3 * slot_of_row.size());
-  islands.clear();
-  island_of_slot.assign(slots(), -1);
+}
+
+void Compliance::Impl::start_rows(std::shared_ptr<const FactorPattern> made) {
+  lay_out_rows(std::move(made), active_slots(*this));
+  settle_islands({});
   regroup();
 }
 
 void Compliance::Impl::build(Progress* progress) {
   // Nothing of the old compliance is given up before the new one is there: a stop or a lack of memory changes nothing.
   if (progress) progress->phase("ordering");
-  const std::vector<std::uint8_t> now_active = active_slots(*this);
+  std::vector<std::uint8_t> now_active = active_slots(*this);
   auto made = std::make_shared<FactorPattern>(analyse(stiffness, now_active));
   const std::size_t n = 3 * made->vertices();
   require_memory(made->panel_start.back() * sizeof(double) + (backend == Backend::dense ? n * n * sizeof(double) : 0),
                  "the compliance");
   std::unique_ptr<ComplianceBase> fresh = make_base(backend, made, stiffness, now_active, {}, {}, progress);
-  lay_out_rows(std::move(made));
+  lay_out_rows(std::move(made), std::move(now_active));
+  pattern_is_small = base_is_stale = false;
+  settle_islands({});
   spare = {};
   base = std::move(fresh);
+  compact();
+  regroup();
 }
 
-// A fold computes C anew from the cut Â, in the pattern analysed before. That is as quick as adding the correction to
-// the matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind:
+// A fold computes C anew from the cut Â, in the pattern analysed before if that has room for it. That is as quick as
+// adding the correction to the matrix (5 Gflop against 2·n²·rank) and, unlike it, leaves no rounding behind:
 // docs/decisions/0006-fold-by-refactoring.md.
-std::function<std::unique_ptr<ComplianceBase>()> Compliance::Impl::fold_work() {
-  const std::size_t n = base->size();
-  if (backend == Backend::dense && spare.size() != n * n)
+std::function<Folded()> Compliance::Impl::fold_work() {
+  std::vector<std::uint8_t> folded_active = pattern_is_small ? active_slots(*this) : active;
+  const std::size_t n = 3 * static_cast<std::size_t>(std::count(folded_active.begin(), folded_active.end(), 1));
+  if (backend == Backend::dense && spare.size() < n * n)
     require_memory(n * n * sizeof(double), "a second matrix to fold into");
   steps_since_fold.clear();  // The Â taken along here knows every update so far, whatever became of an earlier fold.
-  base_is_stale = false;
-  return [backend = backend, pattern = pattern, stiffness = stiffness, active = active, dead = dead,
-          into = std::make_shared<Buffer>(std::move(spare))]() {
-    return make_base(backend, pattern, stiffness, active, dead, std::move(*into), nullptr);
+  base_is_stale = fold_is_small = false;
+  return [backend = backend, known = pattern_is_small ? nullptr : pattern, stiffness = stiffness,
+          active = std::move(folded_active), dead = dead, into = std::make_shared<Buffer>(std::move(spare))]() {
+    const auto fitting = known ? known : std::make_shared<const FactorPattern>(analyse(stiffness, active));
+    return Folded{make_base(backend, fitting, stiffness, active, dead, std::move(*into), nullptr), fitting, active};
   };
 }
 
-void Compliance::Impl::adopt(std::unique_ptr<ComplianceBase> folded) {
+void Compliance::Impl::adopt(Folded folded) {
   if (auto* dense = dynamic_cast<DenseBase*>(base.get())) spare = dense->take();
-  base = std::move(folded);
-  correction = Correction(base->size());
+  base = std::move(folded.base);
+  lay_out_rows(std::move(folded.pattern), std::move(folded.active));
+  pattern_is_small = fold_is_small;
+  std::vector<UpdateStep> steps;
   std::vector<std::uint32_t> rows;
-  for (const UpdateStep& step : steps_since_fold) rows.insert(rows.end(), step.rows.begin(), step.rows.end());
-  correction.extend(*base, rows);
-  for (const UpdateStep& step : steps_since_fold) correction.add(*base, step);
+  for (const SlotStep& step : steps_since_fold) {
+    steps.push_back(enter(step));
+    rows.insert(rows.end(), steps.back().rows.begin(), steps.back().rows.end());
+  }
   steps_since_fold.clear();
-  if (is_lost(correction.factor())) refactor();
+  correction.extend(*base, rows);
+  for (const UpdateStep& step : steps) correction.add(*base, step);
+  if (is_lost(correction.factor()))
+    refactor();
+  else
+    compact();
+}
+
+void Compliance::Impl::refactor() {
+  std::vector<std::uint8_t> now_active = pattern_is_small ? active_slots(*this) : active;
+  auto made = pattern_is_small ? std::make_shared<const FactorPattern>(analyse(stiffness, now_active)) : pattern;
+  std::unique_ptr<ComplianceBase> fresh = make_base(Backend::sparse, made, stiffness, now_active, dead, {}, nullptr);
+  if (fold.valid()) abandoned.push_back(std::move(fold));
+  steps_since_fold.clear();
+  pattern_is_small = base_is_stale = false;
+  base = std::move(fresh);
+  lay_out_rows(std::move(made), std::move(now_active));
+  settle_islands({});
+  compact();
+}
+
+// Splits leave dead slots behind, and blocks between vertices that no tet joins any more. Without this they would pile
+// up for as long as an operation lasts.
+void Compliance::Impl::compact() {
+  std::vector<std::uint32_t> number(slots(), no_slot);
+  std::uint32_t kept = 0;
+  for (std::size_t s = 0; s < slots(); ++s)
+    if (!dead[s] || active[s]) number[s] = kept++;
+  if (slots() - kept < std::max<std::size_t>(64, slots() / 8)) return;
+  const auto keep = [&](auto& values) {
+    for (std::size_t s = 0; s < number.size(); ++s)
+      if (number[s] != no_slot) values[number[s]] = values[s];
+    values.resize(kept);
+  };
+  BlockMatrix smaller;
+  smaller.row_start.push_back(0);
+  for (std::size_t s = 0; s < slots(); ++s) {
+    if (number[s] == no_slot) continue;
+    for (std::uint32_t k = stiffness.row_start[s]; k < stiffness.row_start[s + 1]; ++k) {
+      if (number[stiffness.column[k]] == no_slot || (stiffness.column[k] != s && stiffness.block[k].isZero(0)))
+        continue;
+      smaller.column.push_back(number[stiffness.column[k]]);
+      smaller.block.push_back(stiffness.block[k]);
+    }
+    smaller.row_start.push_back(static_cast<std::uint32_t>(smaller.column.size()));
+  }
+  stiffness = std::move(smaller);
+  keep(fixed);
+  keep(dead);
+  keep(active);
+  keep(row_of_slot);
+  keep(island_of_slot);
+  for (std::uint32_t& slot : slot_of_row)
+    if (slot != no_slot) slot = number[slot];
+  for (std::uint32_t& slot : slot_of_vertex) slot = number[slot];
+  for (Island& island : islands)
+    for (std::uint32_t& slot : island.slots) slot = number[slot];
+  regroup();
 }
 
 bool Compliance::Impl::is_lost(const CorrectionHealth& health) const {
   // Written so that a NaN is lost too.
   return !health.definite || (is_static ? !(health.smallest_eigenvalue >= 1e-10) : !(health.error <= 1e-4));
-}
-
-void Compliance::Impl::refactor() {
-  std::unique_ptr<ComplianceBase> fresh = make_base(Backend::sparse, pattern, stiffness, active, dead, {}, nullptr);
-  if (fold.valid()) abandoned.push_back(std::move(fold));
-  steps_since_fold.clear();
-  base_is_stale = false;
-  base = std::move(fresh);
-  correction = Correction(base->size());
-  settle_islands({});
 }
 
 void Compliance::Impl::drop_abandoned() {
@@ -315,9 +385,9 @@ void Compliance::fold() {
 
 void Compliance::reserve_fold() {
   const std::size_t n = impl_->base->size() * impl_->base->size();
-  if (backend() != Backend::dense || impl_->spare.size() == n) return;
+  if (backend() != Backend::dense || impl_->spare.size() >= n) return;
   require_memory(n * sizeof(double), "a second matrix to fold into");
-  impl_->spare = Buffer(n);
+  impl_->spare = Buffer(room_for(impl_->base->size()));
   constexpr std::size_t page = 512;  // doubles
   parallel_blocks(n, std::size_t{1} << 20, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t i = begin; i < end; i += page) impl_->spare.data()[i] = 0;
@@ -407,7 +477,7 @@ std::uint64_t precompute_memory(const Model& model, const PrecomputeOptions& opt
 Compliance Compliance::from_rows(const Model& model, const std::function<void(VertexId, std::size_t, double*)>& read) {
   blas::use_one_thread();
   std::unique_ptr<Impl> impl = start(model, Backend::dense);
-  impl->lay_out_rows();
+  impl->start_rows(std::make_shared<FactorPattern>(analyse(impl->stiffness, active_slots(*impl))));
   const std::size_t n = 3 * impl->slot_of_row.size(), width = 3 * impl->slots();
   require_memory(n * n * sizeof(double), "the compliance");
   Buffer matrix(n * n);
@@ -457,7 +527,8 @@ void require_room_for(const BlockMatrix& matrix, const Compliance::Impl& impl) {
     for (std::uint32_t k = matrix.row_start[s]; k < matrix.row_start[s + 1]; ++k) {
       if (impl.row_of_slot[matrix.column[k]] < 0) continue;
       const auto q = static_cast<std::uint32_t>(impl.row_of_slot[matrix.column[k]] / 3);
-      if (q > p && f.super_of[q] != f.super_of[p] && !std::binary_search(rows.begin(), rows.end(), q))
+      if (q > p && !matrix.block[k].isZero(0) && f.super_of[q] != f.super_of[p] &&
+          !std::binary_search(rows.begin(), rows.end(), q))
         throw InputError("factor", "has no place for an entry of the model's stiffness",
                          "compute it again with `calot precompute --backend sparse`");
     }
@@ -476,7 +547,7 @@ Compliance Compliance::from_factor(const Model& model, SparseFactor factor) {
                      "is of " + std::to_string(factor.pattern().vertices()) + " vertices, the model has " +
                          std::to_string(free) + " free ones",
                      "compute it again with `calot precompute --backend sparse`");
-  impl->lay_out_rows(factor.shared_pattern());
+  impl->start_rows(factor.shared_pattern());
   require_room_for(impl->stiffness, *impl);
   impl->base = std::make_unique<SparseBase>(std::move(factor));
   Compliance compliance(std::move(impl));
@@ -492,7 +563,7 @@ void Compliance::copy_rows(VertexId first, std::size_t count, double* out) const
   std::vector<DofId> dofs;
   for (std::size_t k = 0; k < 3 * count; ++k) dofs.push_back(DofId(3 * first.index() + k));
   const auto* dense = dynamic_cast<const DenseBase*>(impl_->base.get());
-  if (!dense || pending_rank() > 0 || !impl_->islands.empty()) {
+  if (!dense || pending_rank() > 0 || !impl_->islands.empty() || dense->appended() > 0) {
     const MatrixXd found = columns(dofs);
     std::copy_n(found.data(), found.size(), out);
     return;

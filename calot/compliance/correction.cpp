@@ -52,6 +52,7 @@ void Correction::reserve(Index size) {
 }
 
 void Correction::extend(ComplianceBase& base, const std::vector<std::uint32_t>& rows) {
+  if (place_.size() < base.size()) place_.resize(base.size(), -1);
   std::vector<std::uint32_t> fresh;
   for (const std::uint32_t row : rows)
     if (place_[row] < 0) {

@@ -34,7 +34,8 @@ class Cholmod {
   std::lock_guard<std::mutex> lock_;
 };
 
-// The lower triangle of the active vertex graph, in CHOLMOD's form.
+// The lower triangle of the active vertex graph, in CHOLMOD's form. Zero blocks, as edits leave them behind, are no
+// part of it.
 struct Graph {
   std::vector<SuiteSparse_long> start, row;
 };
@@ -49,7 +50,8 @@ Graph active_graph(const BlockMatrix& matrix, std::span<const std::uint8_t> acti
   for (std::size_t v = 0; v < matrix.rows(); ++v) {
     if (!active[v]) continue;
     for (std::uint32_t k = matrix.row_start[v]; k < matrix.row_start[v + 1]; ++k)
-      if (matrix.column[k] >= v && active[matrix.column[k]]) graph.row.push_back(number[matrix.column[k]]);
+      if (matrix.column[k] >= v && active[matrix.column[k]] && (matrix.column[k] == v || !matrix.block[k].isZero(0)))
+        graph.row.push_back(number[matrix.column[k]]);
     graph.start.push_back(static_cast<SuiteSparse_long>(graph.row.size()));
   }
   return graph;

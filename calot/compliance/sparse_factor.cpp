@@ -121,7 +121,7 @@ void Multifrontal::assemble(std::size_t s, const std::vector<std::uint32_t>& loc
       const std::uint32_t other = matrix_.column[k];
       if (active_of_row_[other] < 0 || (!dead_.empty() && dead_[other])) continue;
       const std::uint32_t q = pattern_.position[static_cast<std::size_t>(active_of_row_[other])];
-      if (q < p) continue;
+      if (q < p || (q > p && matrix_.block[k].isZero(0))) continue;
       const std::size_t first = 3 * std::size_t{local[q]};
       for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)

@@ -44,7 +44,8 @@ struct FactorPattern {
 FactorPattern complete_pattern(std::vector<std::uint32_t> perm, std::vector<std::uint32_t> super_start,
                                std::vector<std::uint64_t> row_start, std::vector<std::uint32_t> rows);
 
-/// Orders (nested dissection) and analyses the rows and columns of `matrix` for which active is 1.
+/// Orders (nested dissection) and analyses the rows and columns of `matrix` for which active is 1. Blocks that are zero
+/// get no room.
 /// @param active  one flag a block row; the k-th active row is active vertex k
 /// Source: Davis 2006, ch. 4; METIS (Karypis & Kumar 1998) through CHOLMOD (Chen et al. 2008).
 FactorPattern analyse(const BlockMatrix& matrix, std::span<const std::uint8_t> active);
@@ -53,8 +54,9 @@ FactorPattern analyse(const BlockMatrix& matrix, std::span<const std::uint8_t> a
 class SparseFactor {
  public:
   SparseFactor() = default;
-  /// Factors the active rows of `matrix`, which must be positive definite; rows in `dead` count as identity.
-  /// Throws Unsupported naming the active vertex where a pivot is not positive, Interrupted, FailedError (memory).
+  /// Factors the active rows of `matrix`, which must be positive definite; rows in `dead` count as identity. Every
+  /// block that is not zero must have its room in the pattern. Throws Unsupported naming the active vertex where a
+  /// pivot is not positive, Interrupted, FailedError (memory).
   SparseFactor(std::shared_ptr<const FactorPattern> pattern, const BlockMatrix& matrix,
                std::span<const std::uint8_t> active, std::span<const std::uint8_t> dead = {},
                Progress* progress = nullptr);

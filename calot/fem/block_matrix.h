@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "calot/base/ids.h"
@@ -22,6 +23,9 @@ struct BlockMatrix {
   /// The block at (row, column), or nullptr outside the pattern.
   [[nodiscard]] Mat3* find(std::size_t row, std::size_t col);
   [[nodiscard]] const Mat3* find(std::size_t row, std::size_t col) const;
+  /// Makes room for zero blocks, in place; the matrix grows to `rows` rows.
+  /// @param places  (row, column) not in the pattern, ascending, unique
+  void grow(std::size_t rows, std::span<const std::pair<std::uint32_t, std::uint32_t>> places);
   /// y = A x for x, y of 3n values.
   void multiply(std::span<const double> x, std::span<double> y) const;
   /// Largest absolute column sum, ‖A‖₁.

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
-#include "calot/fem/support.h"
+#include "calot/fem/assembly.h"
 #include "calot/mesh/quality.h"
 
 namespace calot {
@@ -49,11 +48,6 @@ BlockMatrix pattern_of(const TetMesh& mesh, const VertexTets& around) {
   return matrix;
 }
 
-TetShape shape_of(const TetMesh& mesh, TetId t) {
-  const Tet& v = mesh.tet(t);
-  return tet_shape(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), mesh.position(v[3]));
-}
-
 // Appends raw bytes of numbers, for the fingerprint.
 template <class T>
 void append(std::string& bytes, const T* values, std::size_t count) {
@@ -89,6 +83,7 @@ Model::Model(TetMesh mesh, std::map<std::int32_t, Material> materials, std::vect
                        "add a [[material]] for it or for \"*\"");
   for (const auto& [region, material] : materials_) check_material(region, material);
   check_dynamics(dynamics_);
+  stiffness_scale_.assign(mesh_.tet_count(), 1.0);
   if (total_mass && (!(*total_mass > 0) || !std::isfinite(*total_mass)))
     throw InputError("total_mass", "must be > 0 kg", "leave it out to use density × volume");
   if (dynamics_.mass_lumping == MassLumping::uniform) {
@@ -96,13 +91,14 @@ Model::Model(TetMesh mesh, std::map<std::int32_t, Material> materials, std::vect
     for (std::size_t t = 0; t < mesh_.tet_count(); ++t)
       mass += material(TetId(t)).density * signed_volume(mesh_, TetId(t));
     uniform_share_ = total_mass.value_or(mass) / static_cast<double>(mesh_.vertex_count());
+    shares_.assign(mesh_.vertex_count(), uniform_share_);
   } else if (total_mass) {
     throw InputError("total_mass", "needs mass_lumping = \"uniform\"", "leave it out or change mass_lumping");
   }
 }
 
 std::vector<double> Model::vertex_masses() const {
-  if (dynamics_.mass_lumping == MassLumping::uniform) return std::vector<double>(mesh_.vertex_count(), uniform_share_);
+  if (dynamics_.mass_lumping == MassLumping::uniform) return shares_;
   std::vector<double> masses(mesh_.vertex_count(), 0.0);
   for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
     const double quarter = material(TetId(t)).density * signed_volume(mesh_, TetId(t)) / 4;
@@ -111,86 +107,20 @@ std::vector<double> Model::vertex_masses() const {
   return masses;
 }
 
-namespace {
-
-// What each region contributes, looked up by tet.
-class RegionTable {
- public:
-  explicit RegionTable(const Model& model) {
-    for (const auto& [region, material] : model.materials())
-      entries_.push_back({region, lame(material), material.density});
-  }
-  struct Entry {
-    std::int32_t region;
-    Lame lame;
-    double density;
-  };
-  [[nodiscard]] const Entry& of(std::int32_t region) const {
-    for (const Entry& entry : entries_)  // a handful
-      if (entry.region == region) return entry;
-    return entries_.front();
-  }
-
- private:
-  std::vector<Entry> entries_;
-};
-
-// The one place where tets are summed into blocks: of row u, every block whose column is in the row's pattern, tets
-// ascending. A fresh assembly and a row summed anew after a cut agree to the last bit because both come through here.
-struct RowAssembler {
-  const TetMesh& mesh;
-  const VertexTets& around;
-  const RegionTable& regions;
-  double mass_factor, stiffness_factor, uniform_share;
-  bool lumped_by_element;
-
-  // Block (a, b) of Â_e of one tet.
-  [[nodiscard]] Mat3 block(TetId t, const TetShape& shape, int a, int b) const {
-    const RegionTable::Entry& region = regions.of(mesh.regions[t.index()]);
-    Mat3 result = stiffness_factor * stiffness_block(shape, region.lame, a, b);
-    if (a == b && lumped_by_element) result.diagonal().array() += mass_factor * (region.density * shape.volume / 4);
-    return result;
-  }
-  // add(column vertex, block) is called once for each corner of each tet around u.
-  template <class Add>
-  void row(VertexId u, const TetShape* shapes, const Add& add) const {
-    for (std::uint32_t k = around.start[u.index()]; k < around.start[u.index() + 1]; ++k) {
-      const TetId t = around.tets[k];
-      const Tet& tet = mesh.tet(t);
-      const TetShape shape = shapes ? shapes[t.index()] : shape_of(mesh, t);
-      const int a = static_cast<int>(std::find(tet.begin(), tet.end(), u) - tet.begin());
-      for (int b = 0; b < 4; ++b) add(tet[static_cast<std::size_t>(b)], block(t, shape, a, b));
-    }
-  }
-  // What a vertex has whatever tets it keeps.
-  [[nodiscard]] double own_diagonal() const { return mass_factor * uniform_share; }
-};
-
-RowAssembler assembler_of(const Model& model, const TetMesh& mesh, const VertexTets& around, const RegionTable& regions,
-                          double mass_factor, double stiffness_factor) {
-  return {mesh,
-          around,
-          regions,
-          mass_factor,
-          stiffness_factor,
-          model.uniform_share(),
-          model.dynamics().mass_lumping == MassLumping::element};
-}
-
-}  // namespace
-
 BlockMatrix Model::assemble(double mass_factor, double stiffness_factor) const {
-  const VertexTets around = vertex_tets(mesh_);
-  const RegionTable regions(*this);
-  const RowAssembler assembler = assembler_of(*this, mesh_, around, regions, mass_factor, stiffness_factor);
-  std::vector<TetShape> shapes(mesh_.tet_count());
-  for (std::size_t t = 0; t < shapes.size(); ++t) shapes[t] = shape_of(mesh_, TetId(t));
-  BlockMatrix matrix = pattern_of(mesh_, around);
-  for (std::size_t u = 0; u < mesh_.vertex_count(); ++u) {
-    assembler.row(VertexId(u), shapes.data(),
-                  [&](VertexId v, const Mat3& block) { *matrix.find(u, v.index()) += block; });
-    matrix.find(u, u)->diagonal().array() += assembler.own_diagonal();
+  const detail::ElementSum sum(*this, mass_factor, stiffness_factor);
+  BlockMatrix matrix = pattern_of(mesh_, vertex_tets(mesh_));
+  for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
+    const Tet& tet = mesh_.tets[t];
+    const TetShape shape = detail::shape_of(mesh_, tet);
+    const detail::ElementSum::Region& region = sum.region(mesh_.regions[t]);
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b)
+        *matrix.find(tet[a].index(), tet[b].index()) +=
+            sum.block(region, stiffness_scale_[t], shape, static_cast<int>(a), static_cast<int>(b));
   }
+  for (std::size_t v = 0; v < shares_.size(); ++v)
+    matrix.find(v, v)->diagonal().array() += sum.own_diagonal(shares_[v]);
   return matrix;
 }
 
@@ -199,6 +129,13 @@ BlockMatrix Model::stiffness() const {
 }
 BlockMatrix Model::step_stiffness() const {
   return assemble(dynamics_.mass_factor(), dynamics_.stiffness_factor());
+}
+
+bool Model::has_even_masses() const {
+  return std::all_of(shares_.begin(), shares_.end(), [&](double share) { return share == uniform_share_; });
+}
+bool Model::has_scaled_stiffness() const {
+  return std::any_of(stiffness_scale_.begin(), stiffness_scale_.end(), [](double scale) { return scale != 1; });
 }
 
 std::string Model::fingerprint() const {
@@ -213,77 +150,25 @@ std::string Model::fingerprint() const {
     const double values[] = {m.young, m.poisson, m.density};
     append(bytes, values, 3);
   }
-  const double values[] = {dynamics_.time_step, dynamics_.rayleigh_mass, dynamics_.rayleigh_stiffness, uniform_share_};
+  // What every model has had from the start comes first, so that files written then are still recognised.
+  const bool even = has_even_masses();
+  const double values[] = {dynamics_.time_step, dynamics_.rayleigh_mass, dynamics_.rayleigh_stiffness,
+                           even ? uniform_share_ : -1};
   append(bytes, values, 4);
+  if (!even) append(bytes, shares_.data(), shares_.size());
+  if (has_scaled_stiffness()) append(bytes, stiffness_scale_.data(), stiffness_scale_.size());
   return sha256(bytes);
 }
 
-StiffnessChange Model::apply(const TopologyEdit& edit) {
-  if (!edit.vertices.empty() || !edit.tets.empty())
-    throw InputError("edit", "adds vertices or tets; only removal is supported by the compliance", "use mode remove");
-  StiffnessChange change;
-  const TetMesh before = mesh_;
-  change.remap = calot::apply(mesh_, edit);
-  change.struck = change.remap.orphaned;
-  change.touched = change.remap.touched;
-
-  std::vector<std::uint8_t> fixed(mesh_.vertex_count());
-  for (std::size_t v = 0; v < fixed.size(); ++v) fixed[v] = fixed_[change.remap.vertex_to_old[v].index()];
-  fixed_ = std::move(fixed);
-
-  std::vector<std::uint32_t> place(before.vertex_count(), ~0u);
-  for (std::size_t k = 0; k < change.touched.size(); ++k)
-    place[change.touched[k].index()] = static_cast<std::uint32_t>(k);
-
-  // Σ Â_e of what goes, and which blocks that concerns.
-  const Eigen::Index size = 3 * static_cast<Eigen::Index>(change.touched.size());
-  change.removed = Eigen::MatrixXd::Zero(size, size);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-  const VertexTets unused;
-  const RegionTable regions(*this);
-  const RowAssembler assembler =
-      assembler_of(*this, before, unused, regions, dynamics_.mass_factor(), dynamics_.stiffness_factor());
-  for (const TetId t : edit.removed) {
-    const Tet& tet = before.tet(t);
-    const TetShape shape = shape_of(before, t);
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) {
-        const std::uint32_t i = place[tet[static_cast<std::size_t>(a)].index()],
-                            j = place[tet[static_cast<std::size_t>(b)].index()];
-        if (i == ~0u || j == ~0u) continue;
-        change.removed.block<3, 3>(3 * Eigen::Index{i}, 3 * Eigen::Index{j}) += assembler.block(t, shape, a, b);
-        pairs.emplace_back(i, j);
-      }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  sum_rows(change, pairs);
-  if (dynamics_.is_static()) change.unsupported = unsupported_part(mesh_, fixed_);
-  return change;
-}
-
-void Model::sum_rows(StiffnessChange& change, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const {
-  const VertexTets around = vertex_tets(mesh_);
-  const RegionTable regions(*this);
-  const RowAssembler assembler =
-      assembler_of(*this, mesh_, around, regions, dynamics_.mass_factor(), dynamics_.stiffness_factor());
-  change.entries.reserve(pairs.size());
-  std::vector<std::int32_t> entry_of(mesh_.vertex_count(), -1);  // of the row in hand
-  for (std::size_t first = 0, last = 0; first < pairs.size(); first = last) {
-    const std::uint32_t row = pairs[first].first;
-    for (last = first; last < pairs.size() && pairs[last].first == row; ++last) {
-      entry_of[change.remap.vertex_to_new[change.touched[pairs[last].second].index()].index()] =
-          static_cast<std::int32_t>(change.entries.size());
-      change.entries.push_back({row, pairs[last].second, Mat3::Zero()});
-    }
-    const VertexId u = change.remap.vertex_to_new[change.touched[row].index()];
-    assembler.row(u, nullptr, [&](VertexId v, const Mat3& block) {
-      if (entry_of[v.index()] >= 0) change.entries[static_cast<std::size_t>(entry_of[v.index()])].block += block;
-    });
-    change.entries[static_cast<std::size_t>(entry_of[u.index()])].block.diagonal().array() += assembler.own_diagonal();
-    for (std::size_t k = first; k < last; ++k)
-      entry_of[change.remap.vertex_to_new[change.touched[pairs[k].second].index()].index()] = -1;
-  }
+void Model::set_vertex_masses(std::vector<double> masses) {
+  if (dynamics_.mass_lumping != MassLumping::uniform)
+    throw InputError("vertex_masses", "needs mass_lumping = \"uniform\"", "leave it out or change mass_lumping");
+  if (masses.size() != mesh_.vertex_count())
+    throw InputError("vertex_masses", "has " + std::to_string(masses.size()) + " values for " +
+                                          std::to_string(mesh_.vertex_count()) + " vertices");
+  if (!std::all_of(masses.begin(), masses.end(), [](double m) { return m > 0 && std::isfinite(m); }))
+    throw InputError("vertex_masses", "must be finite and > 0 kg", "correct them");
+  shares_ = std::move(masses);
 }
 
 }  // namespace calot

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,8 @@ namespace calot {
 
 enum class MassLumping {
   element,  ///< a quarter of each tet's mass goes to each of its vertices
-  uniform,  ///< SOFA's UniformMass: every vertex the same share; a cut leaves each survivor's share as it was
+  uniform,  ///< SOFA's UniformMass: every vertex the same share. What a cut leaves keeps its share; a vertex that an
+            ///< edit adds gets its own from those it comes from, so that a split keeps the mass
 };
 
 /// Time stepping and damping. Step stiffness Â = ((1 + hα) M + (h² + hβ) K)/h²; static (h = 0): Â = K.
@@ -35,17 +37,20 @@ struct Origin {
   std::string mesh_sha256;                      ///< of the mesh file's bytes; empty for models made in memory
 };
 
-/// What an edit changed in the step stiffness; made by Model::apply, consumed by Compliance::update.
+/// What an edit changed in the step stiffness; made by Model::apply, consumed by Compliance::update. Its "sites" are
+/// the touched vertices and, after them, the added ones.
 struct StiffnessChange {
   Remap remap;
-  std::vector<VertexId> struck;   ///< old ids of the vertices that lost their last tet, ascending
-  std::vector<VertexId> touched;  ///< old ids of the surviving vertices of removed tets, ascending; k of them
-  Eigen::MatrixXd removed;        ///< 3k×3k, Σ Â_e of the removed tets on `touched` [N/m]
+  std::vector<VertexId> struck;           ///< old ids of the vertices that lost their last tet, ascending
+  std::vector<VertexId> touched;          ///< old ids of the survivors whose rows changed, ascending; k of them
+  std::vector<VertexId> added;            ///< new ids of the added vertices, ascending; sites from k on
+  std::vector<std::uint8_t> added_fixed;  ///< a flag for each of `added`
   struct Entry {
-    std::uint32_t row, column;  ///< positions in `touched`
-    Mat3 block;                 ///< Â' there, summed from the live tets in the order of a fresh assembly
+    std::uint32_t row, column;  ///< sites
+    Mat3 block;                 ///< Â' there [N/m], summed from the live tets in the order of a fresh assembly
+    Mat3 change;                ///< Â' − Â there [N/m], from what went, came and changed; indefinite in general
   };
-  std::vector<Entry> entries;  ///< every block of Â' between two touched vertices of a removed tet
+  std::vector<Entry> entries;  ///< every block that changed between two sites, both triangles, ascending
   std::string unsupported;     ///< static models: the part that nothing holds now (`unsupported_part`); else empty
 };
 
@@ -70,8 +75,12 @@ class Model {
 
   /// Lumped mass of each vertex [kg], n.
   [[nodiscard]] std::vector<double> vertex_masses() const;
-  /// Each vertex's share under uniform lumping [kg]; 0 under element lumping.
+  /// Each vertex's share under uniform lumping [kg], before edits added any; 0 under element lumping.
   [[nodiscard]] double uniform_share() const { return uniform_share_; }
+  /// Factor on the stiffness of each tet [1], m; 1 unless `scale_stiffness` said otherwise. Pieces inherit it.
+  [[nodiscard]] const std::vector<double>& stiffness_scale() const { return stiffness_scale_; }
+  [[nodiscard]] bool has_scaled_stiffness() const;  ///< some factor is not 1
+  [[nodiscard]] bool has_even_masses() const;       ///< no edit made shares differ; always so under element lumping
   /// K [N/m] over all vertices, fixed ones too.
   [[nodiscard]] BlockMatrix stiffness() const;
   /// Â [N/m] over all vertices, fixed ones too.
@@ -79,18 +88,38 @@ class Model {
   /// SHA-256 of everything the compliance depends on: coordinates, tets, materials, supports, step, damping, masses.
   [[nodiscard]] std::string fingerprint() const;
 
-  /// Applies a topology edit and says what it changed. Added vertices and tets arrive with the `split` mode.
+  /// Applies a topology edit and says what it changed. An added vertex is fixed when both vertices it comes from are.
+  /// Under uniform lumping a vertex shares its mass with those that come from it: a copy counts as much as itself, one
+  /// between a and b with its weights; the shares of a vertex that goes pass to them too. Throws InputError as
+  /// calot::apply, and has then changed nothing.
   StiffnessChange apply(const TopologyEdit& edit);
 
+  /// Sets the factors on the stiffness (not the mass) of some tets, as heat changes them, and says what that changed;
+  /// the remap is the identity.
+  /// @param tets     ascending, unique
+  /// @param factors  one for each, > 0 [1]; of the material's own stiffness, not of the last factor
+  /// Throws InputError for anything else, and has then changed nothing.
+  StiffnessChange scale_stiffness(std::span<const TetId> tets, std::span<const double> factors);
+
+  /// Gives each vertex its own mass, for models read back from a file. Throws InputError unless lumping is uniform and
+  /// there are n finite masses > 0 [kg].
+  void set_vertex_masses(std::vector<double> masses);
+
  private:
+  struct Pieces;
   [[nodiscard]] BlockMatrix assemble(double mass_factor, double stiffness_factor) const;
-  void sum_rows(StiffnessChange& change, const std::vector<std::pair<std::uint32_t, std::uint32_t>>& pairs) const;
+  [[nodiscard]] Pieces pieces_that_go(const TopologyEdit& edit) const;
+  void follow(const Remap& remap);
+  void describe(StiffnessChange& change, const Pieces& went, const std::vector<TetId>& came,
+                const std::vector<double>& shares_before) const;
 
   TetMesh mesh_;
   std::map<std::int32_t, Material> materials_;
   std::vector<std::uint8_t> fixed_;  // n
   Dynamics dynamics_;
   double uniform_share_ = 0;
+  std::vector<double> shares_;           // n under uniform lumping [kg]; else empty
+  std::vector<double> stiffness_scale_;  // m
   Origin origin_;
 };
 

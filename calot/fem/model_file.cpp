@@ -32,7 +32,7 @@ class ModelReader {
   Model read() {
     const toml::value& root = toml_.root();
     toml_.allow_only(root, {"mesh", "length_unit", "region_names", "time_step", "rayleigh_mass", "rayleigh_stiffness",
-                            "mass_lumping", "total_mass", "material", "fixed"});
+                            "mass_lumping", "total_mass", "vertex_masses", "stiffness_scale", "material", "fixed"});
     const Dynamics dynamics = read_dynamics();
     const std::optional<double> total_mass = read_total_mass(dynamics);
     read_mesh_file();
@@ -42,9 +42,20 @@ class ModelReader {
     fixed_.assign(mesh_.vertex_count(), 0);
     for (const toml::value& table : toml_.tables("fixed")) read_fixed(table);
     check_support(dynamics);
-    return {std::move(mesh_),  std::move(materials_),
-            std::move(fixed_), dynamics,
-            total_mass,        {toml_.path(), mesh_path_, sha256_of_file(mesh_path_)}};
+    const std::vector<double> masses = read_list("vertex_masses", mesh_.vertex_count(), "kg");
+    const std::vector<double> scale = read_list("stiffness_scale", mesh_.tet_count(), "(a factor)");
+    if (!masses.empty() && dynamics.mass_lumping != MassLumping::uniform)
+      toml_.fail(*detail::TomlFile::find(root, "vertex_masses"), "vertex_masses needs mass_lumping = \"uniform\"",
+                 "leave it out or change mass_lumping");
+    Model model(std::move(mesh_), std::move(materials_), std::move(fixed_), dynamics, total_mass,
+                {toml_.path(), mesh_path_, sha256_of_file(mesh_path_)});
+    if (!masses.empty()) model.set_vertex_masses(masses);
+    if (!scale.empty()) {
+      std::vector<TetId> all(scale.size());
+      for (std::size_t t = 0; t < all.size(); ++t) all[t] = TetId(t);
+      (void)model.scale_stiffness(all, scale);
+    }
+    return model;
   }
 
  private:
@@ -78,6 +89,23 @@ class ModelReader {
     const double mass = toml_.number(*value, "total_mass");
     if (mass <= 0) toml_.fail(*value, "total_mass = " + number_text(mass) + " must be > 0 kg", "give the mass in kg");
     return mass;
+  }
+
+  /// `count` numbers > 0, or none where the key is absent.
+  [[nodiscard]] std::vector<double> read_list(const std::string& key, std::size_t count, const char* unit) const {
+    std::vector<double> values;
+    const toml::value* list = detail::TomlFile::find(toml_.root(), key);
+    if (list == nullptr) return values;
+    for (const toml::value& entry : toml_.array(*list, key)) {
+      values.push_back(toml_.number(entry, key));
+      if (!(values.back() > 0))
+        toml_.fail(entry, key + " holds " + number_text(values.back()), std::string("give numbers > 0 ") + unit);
+    }
+    if (values.size() != count)
+      toml_.fail(*list,
+                 key + " has " + std::to_string(values.size()) + " values, the mesh needs " + std::to_string(count),
+                 "leave it out or give one for each");
+    return values;
   }
 
   void read_mesh_file() {
@@ -280,6 +308,13 @@ void write_region_names(std::ostream& out, const TetMesh& mesh, const std::set<s
   if (!names.empty()) out << "region_names = { " << names << " }\n";
 }
 
+void write_list(std::ostream& out, const char* key, const std::vector<double>& values) {
+  constexpr std::size_t per_line = 8;
+  out << key << " = [";
+  for (std::size_t k = 0; k < values.size(); ++k) out << (k % per_line == 0 ? "\n  " : " ") << real(values[k]) << ',';
+  out << "\n]\n";
+}
+
 void write_fixed(std::ostream& out, const std::vector<std::uint8_t>& fixed) {
   constexpr std::size_t per_line = 16;
   std::size_t written = 0;
@@ -307,12 +342,14 @@ void save_model(const fs::path& path, const Model& model, const std::string& mes
     out << "time_step = " << real(dynamics.time_step) << "  # s\n"
         << "rayleigh_mass = " << real(dynamics.rayleigh_mass) << "  # 1/s\n"
         << "rayleigh_stiffness = " << real(dynamics.rayleigh_stiffness) << "  # s\n";
-    if (dynamics.mass_lumping == MassLumping::uniform)
-      out << "mass_lumping = \"uniform\"\ntotal_mass = "
+    out << "mass_lumping = \"" << (dynamics.mass_lumping == MassLumping::uniform ? "uniform" : "element") << "\"\n";
+    if (!model.has_even_masses())
+      write_list(out, "vertex_masses", model.vertex_masses());
+    else if (dynamics.mass_lumping == MassLumping::uniform)
+      out << "total_mass = "
           << real(total_for_share(model.uniform_share(), static_cast<double>(model.mesh().vertex_count())))
           << "  # kg\n";
-    else
-      out << "mass_lumping = \"element\"\n";
+    if (model.has_scaled_stiffness()) write_list(out, "stiffness_scale", model.stiffness_scale());
     for (const auto& [region, material] : model.materials())
       if (present.contains(region))
         out << "\n[[material]]\nregion = " << region << "\nyoung = " << real(material.young)
