@@ -125,7 +125,7 @@ void Tearing::survey(const TetMesh& mesh) {
       region.largest = squared_[t];
       region.tet = TetId(t);
     }
-    if (squared_[t] <= kinds_[kind_[t]].squared) {
+    if (!(squared_[t] > kinds_[kind_[t]].squared)) {  // not a number: reported as inverted
       over_[t] = tries_[t] = 0;
       continue;
     }
