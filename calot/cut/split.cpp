@@ -28,9 +28,23 @@ void check(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> 
     throw InputError("split", "flatness must be a length > 0 and margin one ≥ 0", "give metres");
   if (!(options.smallest_angle >= 0) || options.smallest_angle > 60)
     throw InputError("split", "smallest_angle must be within 0 … 60 degrees", "use 3");
-  for (const VertexId v : options.on_cut)
-    if (v.index() >= mesh.vertex_count())
-      throw InputError("split", "on_cut names a vertex that doesn't exist", "bring it up to date with follow()");
+  if (options.stroke == nullptr) return;
+  for (const std::vector<VertexId>* list : {&options.stroke->front, &options.stroke->lips}) {
+    if (!list->empty() && list->back().index() >= mesh.vertex_count())
+      throw InputError("split", "the stroke names a vertex that doesn't exist", "bring it up to date with follow()");
+    if (!std::is_sorted(list->begin(), list->end()))
+      throw InputError("split", "the stroke's vertices are not ascending", "bring it up to date with follow()");
+  }
+}
+
+/// Ascending and unique; a vertex that was doubled is no longer at the front.
+void tidy(Stroke& stroke) {
+  for (std::vector<VertexId>* list : {&stroke.front, &stroke.lips}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
+  std::erase_if(stroke.front,
+                [&](VertexId v) { return std::binary_search(stroke.lips.begin(), stroke.lips.end(), v); });
 }
 
 /// A face of a piece, all of whose corners lie on the cut.
@@ -58,7 +72,7 @@ class Splitter {
     edit_.report.copies = origins_.size();
     write_vertices();
     write_tets();
-    write_marks();
+    write_stroke();
     return std::move(edit_);
   }
 
@@ -81,7 +95,7 @@ class Splitter {
       const Meeting meeting = plan_.meeting(v);
       const bool in_plane = patch_.side[v] == 0 && blade_.covers(patch_.now[v]);
       fresh_[v] = meeting == Meeting::taken || meeting == Meeting::slid || in_plane ? 1 : 0;
-      on_cut_[v] = fresh_[v] != 0 || patch_.on_cut[v] != 0 ? 1 : 0;
+      on_cut_[v] = fresh_[v] != 0 || patch_.front[v] != 0 ? 1 : 0;
     }
     for (std::uint32_t e = 0; e < patch_.edges.size(); ++e) on_cut_[n + e] = fresh_[n + e] = plan_.bisected(e) ? 1 : 0;
   }
@@ -92,7 +106,7 @@ class Splitter {
   [[nodiscard]] int side_of(const CutFace& face) const {
     if (on_cut_[face.opposite] != 0) return 0;
     const auto& [a, b, c] = face.key;
-    if (fresh_[a] != 0 && fresh_[b] != 0 && fresh_[c] != 0 && patch_.side[face.opposite] != 0)
+    if (fresh_[a] != 0 && fresh_[b] != 0 && fresh_[c] != 0 && patch_.side[face.opposite] != 0 && !on_lip(face.opposite))
       return patch_.side[face.opposite];
     const Vec3 centre = (plan_.now(a) + plan_.now(b) + plan_.now(c)) / 3;
     Vec3 normal = (plan_.now(b) - plan_.now(a)).cross(plan_.now(c) - plan_.now(a));
@@ -103,18 +117,22 @@ class Splitter {
   /// A face with corners from earlier sweeps belongs to this cut only if it lies about as the blade does.
   [[nodiscard]] bool lies_along(const FaceKey& key) const {
     const auto& [a, b, c] = key;
-    if (fresh_[a] != 0 && fresh_[b] != 0 && fresh_[c] != 0) return true;
+    if (std::max({std::abs(height(a)), std::abs(height(b)), std::abs(height(c))}) <= 1.5 * patch_.flatness)
+      return true;
     const Vec3 u = plan_.now(b) - plan_.now(a), v = plan_.now(c) - plan_.now(a);
     return std::abs(u.cross(v).normalized().dot(blade_.normal())) >= 0.5;
   }
 
-  std::vector<CutFace> faces_on_cut() const {
+  /// Faces with all corners on the cut; with `lips`, those that have corners on the stroke's lips among them.
+  std::vector<CutFace> faces_on_cut(bool lips) const {
     std::vector<CutFace> faces;
+    const auto counts = [&](std::uint32_t corner) { return on_cut_[corner] != 0 || (lips && on_lip(corner)); };
     for (std::uint32_t p = 0; p < pieces_.size(); ++p)
       for (std::size_t f = 0; f < 4; ++f) {
         const auto& tet = pieces_[p];
         const auto& c = detail::face_corners[f];
-        if (on_cut_[tet[c[0]]] == 0 || on_cut_[tet[c[1]]] == 0 || on_cut_[tet[c[2]]] == 0) continue;
+        if (!counts(tet[c[0]]) || !counts(tet[c[1]]) || !counts(tet[c[2]])) continue;
+        if (lips && !on_lip(tet[c[0]]) && !on_lip(tet[c[1]]) && !on_lip(tet[c[2]])) continue;
         const FaceKey key = detail::face_key(tet[c[0]], tet[c[1]], tet[c[2]]);
         if (lies_along(key)) faces.push_back({key, p, tet[f]});
       }
@@ -170,8 +188,30 @@ class Splitter {
     return sum;
   }
 
+  [[nodiscard]] bool on_lip(std::uint32_t corner) const {
+    return corner < patch_.core && patch_.lip[corner] != 0 && fresh_[corner] == 0;
+  }
+  /// The side of a corner that is well off the plane; else 0.
+  [[nodiscard]] int clear_side(std::uint32_t corner) const {
+    if (on_cut_[corner] != 0 || on_lip(corner) || std::abs(height(corner)) <= patch_.flatness) return 0;
+    return patch_.side[corner];
+  }
+
+  /// Faces that an earlier sweep left joined between vertices that it doubled otherwise: only where the tissue is
+  /// clearly on both sides, or tets that lie flat on a lip would come off.
+  void add_leftovers(std::vector<FaceKey>& open) const {
+    if (options_.stroke == nullptr || options_.stroke->lips.empty()) return;
+    const std::vector<CutFace> faces = faces_on_cut(true);
+    for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
+      const CutFace &one = faces[i], &other = faces[i + 1];
+      if (one.key != other.key || clear_side(one.opposite) * clear_side(other.opposite) >= 0) continue;
+      if (patch_.allowed[parent_[one.piece]] != 0 && patch_.allowed[parent_[other.piece]] != 0) open.push_back(one.key);
+    }
+    std::sort(open.begin(), open.end());
+  }
+
   std::vector<FaceKey> faces_to_open() const {
-    const std::vector<CutFace> faces = faces_on_cut();
+    const std::vector<CutFace> faces = faces_on_cut(false);
     const std::vector<std::int8_t> side = sides_of_pieces(faces);
     std::vector<FaceKey> open;
     for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
@@ -180,6 +220,7 @@ class Splitter {
       if (side[p] == side[q] || patch_.allowed[parent_[p]] == 0 || patch_.allowed[parent_[q]] == 0) continue;
       open.push_back(faces[i].key);
     }
+    add_leftovers(open);
     return open;
   }
 
@@ -277,21 +318,17 @@ class Splitter {
     }
   }
 
-  /// Vertices of the cut that are single still: where the stroke goes on.
-  void write_marks() {
-    std::vector<std::uint8_t> open = on_cut_;
-    for (const std::uint32_t origin : origins_) open[origin] = 0;
-    std::vector<VertexId>& marks = edit_.report.on_cut;
-    for (std::size_t c = 0; c < open.size(); ++c)
-      if (open[c] != 0) marks.push_back(number_[c]);
-    // Marks that the sweep did not come near.
-    for (const VertexId v : options_.on_cut) {
-      const bool near = std::binary_search(patch_.vertex.begin(),
-                                           patch_.vertex.begin() + static_cast<std::ptrdiff_t>(patch_.core), v);
-      if (!near) marks.push_back(v);
+  /// Vertices of the cut that are single still, and those that are not.
+  void write_stroke() {
+    Stroke& stroke = edit_.report.stroke;
+    if (options_.stroke != nullptr) stroke = *options_.stroke;
+    for (std::uint32_t c = 0; c < on_cut_.size(); ++c)
+      if (on_cut_[c] != 0) stroke.front.push_back(number_[c]);
+    for (std::size_t k = 0; k < origins_.size(); ++k) {
+      stroke.lips.push_back(number_[origins_[k]]);
+      stroke.lips.push_back(number_[on_cut_.size() + k]);
     }
-    std::sort(marks.begin(), marks.end());
-    marks.erase(std::unique(marks.begin(), marks.end()), marks.end());
+    tidy(stroke);
   }
 
   const TetMesh& mesh_;
@@ -329,10 +366,9 @@ SplitEdit split_along(const TetMesh& mesh, const VertexTets& around, std::span<c
   if (!blade.empty()) patch = detail::gather_patch(mesh, around, current, blade, options);
   SplitEdit edit;
   if (patch.tet.empty()) {
-    edit.report.on_cut.assign(options.on_cut.begin(), options.on_cut.end());
-    std::sort(edit.report.on_cut.begin(), edit.report.on_cut.end());
+    if (options.stroke != nullptr) edit.report.stroke = *options.stroke;
   } else {
-    SplitPlan plan(patch, options);
+    SplitPlan plan(patch);
     plan.search();
     edit = Splitter(mesh, patch, plan, blade, options).run();
   }
@@ -354,13 +390,18 @@ SplitEdit split(const TetMesh& mesh, const Blade& blade, const SplitOptions& opt
   return split_along(mesh, around, mesh.positions, SweptPlane(blade, options.margin), options);
 }
 
-std::vector<VertexId> follow(std::span<const VertexId> on_cut, const Remap& remap) {
-  std::vector<VertexId> now;
-  for (const VertexId v : on_cut) {
-    const std::size_t n = remap.vertex_to_new.size();
-    const VertexId fresh = v.index() < n ? remap.vertex_to_new[v.index()] : remap.added_vertices.at(v.index() - n);
-    if (fresh.valid()) now.push_back(fresh);
-  }
+Stroke follow(const Stroke& stroke, const Remap& remap) {
+  const std::size_t n = remap.vertex_to_new.size();
+  const auto moved_on = [&](const std::vector<VertexId>& list) {
+    std::vector<VertexId> now;
+    for (const VertexId v : list) {
+      const VertexId fresh = v.index() < n ? remap.vertex_to_new[v.index()] : remap.added_vertices.at(v.index() - n);
+      if (fresh.valid()) now.push_back(fresh);
+    }
+    return now;
+  };
+  Stroke now{moved_on(stroke.front), moved_on(stroke.lips)};
+  tidy(now);
   return now;
 }
 

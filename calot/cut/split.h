@@ -16,16 +16,20 @@ struct Sweep {
   std::vector<std::array<Vec3, 3>> triangles;
 };
 
+/// What earlier sweeps of a stroke left, so that the next one goes on from there. Empty at the start of a stroke.
+struct Stroke {
+  std::vector<VertexId> front;  ///< put on the cut, single still: where the tissue stays joined; ascending
+  std::vector<VertexId> lips;   ///< put on the cut and doubled since; ascending
+};
+
 struct SplitOptions {
   std::string region = "*";   ///< only tets of this region are parted (name or number; "*" is all)
   double smallest_angle = 3;  ///< dihedral angle wanted of every piece [°]
   /// How far a vertex of the cut may lie off the blade [m], where the mesh would otherwise get slivers or another
   /// outline. > 0.
   double flatness = 0.2e-3;
-  double margin = 0.05e-3;  ///< the swept patch counts as wider by this all around [m], ≥ 0
-  /// Vertices that earlier sweeps of the same stroke put on the cut (SplitReport::on_cut, brought up to date by
-  /// `follow`), any order: the cut goes on from them. Empty at the start of a stroke.
-  std::span<const VertexId> on_cut = {};
+  double margin = 0.05e-3;         ///< the swept patch counts as wider by this all around [m], ≥ 0
+  const Stroke* stroke = nullptr;  ///< SplitReport::stroke of the sweep before, brought up to date by `follow`
   std::span<const std::uint8_t> fixed = {};  ///< n, 1 where a vertex must not move; empty: all may
 };
 
@@ -41,9 +45,7 @@ struct SplitReport {
   std::size_t too_sharp = 0;                     ///< pieces below `smallest_angle`
   double largest_distance = 0;                   ///< of a vertex that this sweep put on the cut, from the blade
   double volume_change = 0;                      ///< of all tets together; rounding aside, from vertices that slid
-  /// Vertices that this sweep put on the cut, or found there, with those of `on_cut`: old numbers, n + k for the
-  /// k-th added one; ascending.
-  std::vector<VertexId> on_cut;
+  Stroke stroke;                                 ///< for the next sweep: old numbers, n + k for the k-th added vertex
   std::vector<std::string> notes;
 };
 
@@ -53,7 +55,7 @@ struct SplitEdit : TopologyEdit {
 
 /// Separates the mesh along a sweep. Edges that it crosses are bisected on the blade; where the crossing is near an
 /// end, that end slides onto the blade instead, or, within `flatness`, counts as on it; which, and in what order, is
-/// chosen so that the pieces' angles are best. Faces whose corners were all swept (now, or before: `on_cut`) open; tets
+/// chosen so that the pieces' angles are best. Faces whose corners were all swept (now, or before: `stroke`) open; tets
 /// swept in part stay joined. Sliding keeps outlines and region boundaries (bent ones to 0.03 % of the volume around).
 /// @param around   vertex_tets(mesh)
 /// @param current  n, where each vertex is while the blade passes (mesh.positions: the rest shape) [m]
@@ -65,8 +67,7 @@ SplitEdit split(const TetMesh& mesh, const VertexTets& around, std::span<const V
 /// Separates along a whole plane or patch in the rest shape. Throws InputError as `cut` does.
 SplitEdit split(const TetMesh& mesh, const Blade& blade, const SplitOptions& options = {});
 
-/// The vertices in numbers of the mesh after the edit.
-/// @param on_cut  SplitReport::on_cut of the edit that `remap` came from
-std::vector<VertexId> follow(std::span<const VertexId> on_cut, const Remap& remap);
+/// A stroke in numbers of the mesh after an edit: of the edit that it was reported with, or of any later one.
+Stroke follow(const Stroke& stroke, const Remap& remap);
 
 }  // namespace calot

@@ -12,6 +12,8 @@ namespace {
 
 // Closer to the plane than this share of `flatness`, a vertex lies in it: rounding must not decide.
 constexpr double rounding_share = 1e-3;
+// The cut lies off the plane by at most this share of the mean edge: a fine mesh can follow the blade.
+constexpr double flatness_share = 0.1;
 
 std::vector<std::uint8_t> tets_in_region(const TetMesh& mesh, const std::string& region) {
   if (region == "*") return std::vector<std::uint8_t>(mesh.tet_count(), 1);
@@ -82,17 +84,23 @@ class Gatherer {
     if (near.empty()) return {};
     const std::vector<std::uint8_t> allowed = tets_in_region(mesh_, options_.region);
     if (std::none_of(near.begin(), near.end(), [&](TetId t) { return allowed[t.index()] != 0; })) return {};
-    marks_.assign(options_.on_cut.begin(), options_.on_cut.end());
-    sort_unique(marks_);
     add_vertices(near);
     add_tets(allowed);
     add_edges();
     patch_.smallest_region = smallest_region_volume(mesh_);
+    set_flatness();
     return std::move(patch_);
   }
 
  private:
-  [[nodiscard]] bool marked(VertexId v) const { return std::binary_search(marks_.begin(), marks_.end(), v); }
+  [[nodiscard]] bool at_front(VertexId v) const {
+    return options_.stroke != nullptr &&
+           std::binary_search(options_.stroke->front.begin(), options_.stroke->front.end(), v);
+  }
+  [[nodiscard]] bool on_lip(VertexId v) const {
+    return options_.stroke != nullptr &&
+           std::binary_search(options_.stroke->lips.begin(), options_.stroke->lips.end(), v);
+  }
   [[nodiscard]] std::span<const TetId> tets_around(VertexId v) const {
     return {around_.tets.data() + around_.start[v.index()], around_.start[v.index() + 1] - around_.start[v.index()]};
   }
@@ -102,11 +110,11 @@ class Gatherer {
     std::vector<VertexId> core, rim;
     for (const TetId t : near) core.insert(core.end(), mesh_.tet(t).begin(), mesh_.tet(t).end());
     sort_unique(core);
-    if (!marks_.empty()) {
+    if (options_.stroke != nullptr && !options_.stroke->front.empty()) {
       for (const VertexId v : std::vector<VertexId>(core))
         for (const TetId t : tets_around(v))
           for (const VertexId w : mesh_.tet(t))
-            if (marked(w)) core.push_back(w);
+            if (at_front(w)) core.push_back(w);
       sort_unique(core);
     }
     for (const VertexId v : core)
@@ -131,7 +139,8 @@ class Gatherer {
     patch_.height.push_back(height);
     const bool in_plane = std::abs(height) <= rounding_share * options_.flatness;
     patch_.side.push_back(static_cast<std::int8_t>(in_plane ? 0 : blade_.side(now)));
-    patch_.on_cut.push_back(marked(v) ? 1 : 0);
+    patch_.front.push_back(at_front(v) ? 1 : 0);
+    patch_.lip.push_back(on_lip(v) ? 1 : 0);
     patch_.fixed.push_back(options_.fixed.empty() ? 0 : options_.fixed[v.index()]);
   }
 
@@ -186,12 +195,19 @@ class Gatherer {
     patch_.edges_of_vertex = rows_of(patch_.vertex.size(), std::move(of_vertex));
   }
 
+  void set_flatness() {
+    double sum = 0;
+    for (const auto& c : patch_.corners)
+      for (const auto& [i, j] : edge_corners) sum += (patch_.now[c[i]] - patch_.now[c[j]]).norm();
+    const double edge = sum / (6 * static_cast<double>(patch_.corners.size()));
+    patch_.flatness = std::min(options_.flatness, flatness_share * edge);
+  }
+
   const TetMesh& mesh_;
   const VertexTets& around_;
   std::span<const Vec3> current_;
   const SweptPlane& blade_;
   const SplitOptions& options_;
-  std::vector<VertexId> marks_;
   std::vector<std::uint32_t> number_;  // of each vertex of the mesh in the patch
   SplitPatch patch_;
 };

@@ -28,10 +28,10 @@ struct SplitPatch {
 
   std::vector<VertexId> vertex;  ///< of the mesh, in order; the first `core` have all their tets in the patch
   std::size_t core = 0;
-  std::vector<Vec3> rest, now;       ///< [m]
-  std::vector<double> height;        ///< over the blade's plane in `now` [m]
-  std::vector<std::int8_t> side;     ///< of the plane; 0 also where rounding could decide
-  std::vector<std::uint8_t> on_cut;  ///< put on the cut by an earlier sweep
+  std::vector<Vec3> rest, now;           ///< [m]
+  std::vector<double> height;            ///< over the blade's plane in `now` [m]
+  std::vector<std::int8_t> side;         ///< of the plane; 0 also where rounding could decide
+  std::vector<std::uint8_t> front, lip;  ///< as in the stroke so far
   std::vector<std::uint8_t> fixed;
 
   std::vector<TetId> tet;  ///< of the mesh, ascending
@@ -45,6 +45,7 @@ struct SplitPatch {
   Rows ring, edges_of_vertex;                              ///< tets of each edge; crossed edges of each vertex
   bool deformed = false;                                   ///< `now` differs from `rest`
   double smallest_region = 0;                              ///< volume [m³]
+  double flatness = 0;  ///< how far off the plane the cut may lie: as asked, but little beside the edges [m]
 };
 
 /// The tets that the sweep comes near, and all those around their vertices. No tets if it misses the region.

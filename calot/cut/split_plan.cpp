@@ -42,9 +42,8 @@ double price_of_angle(double angle) {
 
 }  // namespace
 
-SplitPlan::SplitPlan(const SplitPatch& patch, const SplitOptions& options)
+SplitPlan::SplitPlan(const SplitPatch& patch)
     : patch_(patch),
-      options_(options),
       meeting_(patch.vertex.size(), Meeting::off),
       along_(patch.vertex.size(), SplitPatch::none),
       rest_(patch.rest),
@@ -68,11 +67,11 @@ SplitPlan::SplitPlan(const SplitPatch& patch, const SplitOptions& options)
 void SplitPlan::find_given() {
   for (std::uint32_t v = 0; v < patch_.vertex.size(); ++v) {
     if (patch_.side[v] == 0) meeting_[v] = Meeting::given;
-    if (patch_.on_cut[v] == 0 || patch_.edges_of_vertex[v].empty()) continue;
+    if ((patch_.front[v] == 0 && patch_.lip[v] == 0) || patch_.edges_of_vertex[v].empty()) continue;
     double sum = 0;
-    for (const std::uint32_t e : patch_.edges_of_vertex[v])
-      sum += (patch_.now[patch_.edges[e].a] - patch_.now[patch_.edges[e].b]).norm();
-    const double edge = sum / static_cast<double>(patch_.edges_of_vertex[v].size());
+    for (const std::uint32_t t : patch_.star[v])
+      for (const std::uint32_t w : patch_.corners[t]) sum += (patch_.now[v] - patch_.now[w]).norm();
+    const double edge = sum / (3 * static_cast<double>(patch_.star[v].size()));
     if (std::abs(patch_.height[v]) <= carried_share * edge) meeting_[v] = Meeting::given;
   }
 }
@@ -110,7 +109,7 @@ void SplitPlan::list_choices(std::uint32_t v) {
     for (const std::uint32_t w : patch_.corners[t])
       if (w != v) shortest = std::min(shortest, (patch_.now[v] - patch_.now[w]).norm());
   const double height = std::abs(patch_.height[v]);
-  if (height <= options_.flatness && height <= taken_share * shortest) choices_[v].push_back({Meeting::taken});
+  if (height <= patch_.flatness && height <= taken_share * shortest) choices_[v].push_back({Meeting::taken});
   if (patch_.fixed[v] != 0) return;
   for (const std::uint32_t e : patch_.edges_of_vertex[v]) {
     const CrossedEdge& edge = patch_.edges[e];
@@ -246,7 +245,7 @@ bool SplitPlan::reorder(std::uint32_t e) {
 /// Moves the point on an edge off the plane, within the flatness allowed.
 bool SplitPlan::shift(std::uint32_t e) {
   const CrossedEdge& edge = patch_.edges[e];
-  const double reach = options_.flatness / std::abs(patch_.height[edge.a] - patch_.height[edge.b]);
+  const double reach = patch_.flatness / std::abs(patch_.height[edge.a] - patch_.height[edge.b]);
   const double old = share_[e];
   double best = old, least = price_of(patch_.ring[e]) - 1e-9;
   for (const double step : {-1.0, -0.5, 0.0, 0.5, 1.0}) {

@@ -24,7 +24,7 @@ using Pieces = std::vector<std::array<std::uint32_t, 4>>;
 /// price that grows steeply as the smallest dihedral falls; each accepted choice lowers it, so the search ends.
 class SplitPlan {
  public:
-  SplitPlan(const SplitPatch& patch, const SplitOptions& options);
+  explicit SplitPlan(const SplitPatch& patch);
   void search();
 
   [[nodiscard]] Meeting meeting(std::uint32_t v) const { return meeting_[v]; }
@@ -64,7 +64,6 @@ class SplitPlan {
   bool mend(std::uint32_t tet);
 
   const SplitPatch& patch_;
-  const SplitOptions& options_;
   std::vector<Meeting> meeting_;
   std::vector<std::uint32_t> along_;
   std::vector<Vec3> rest_, now_;                                    // of vertices, as chosen
