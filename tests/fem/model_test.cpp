@@ -2,11 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "calot/base/error.h"
+#include "tests/support/edits.h"
 #include "tests/support/models.h"
 
 namespace calot {
@@ -105,6 +108,140 @@ TEST(Model, AnEditChangesTheStiffnessAsAFreshAssemblyWould) {
     const BlockMatrix before = model.step_stiffness();
     const StiffnessChange change = model.apply(edit);
     expect_change_is_fresh(change, before, model);
+  }
+}
+
+// Splits, moves and removals, both lumpings: the change is a fresh assembly's, to the last bit, with nothing left out.
+TEST(Model, EditsOfEveryKindChangeTheStiffnessAsAFreshAssemblyWould) {
+  for (const MassLumping lumping : {MassLumping::element, MassLumping::uniform})
+    for (const double time_step : {0.0, 0.02}) {
+      Dynamics d;
+      d.mass_lumping = lumping;
+      d.rayleigh_stiffness = 0.001;
+      Model model = make_model(
+          test::biliary_mesh(), time_step, [](const Vec3& p) { return p.x() < 0.011; }, {3e5, 0.45, 1000}, d);
+      test::Random random(5);
+      for (int step = 0; step < 12; ++step) {
+        const BlockMatrix before = model.step_stiffness();
+        const TopologyEdit edit = test::random_edit(model.mesh(), 1 + random.below(9), random.next());
+        if (edit.empty()) continue;
+        const StiffnessChange change = model.apply(edit);
+        expect_change_is_fresh(change, before, model);
+        EXPECT_EQ(change.added.size(), edit.vertices.size());
+        EXPECT_EQ(model.stiffness_scale().size(), model.mesh().tet_count());
+        EXPECT_EQ(model.vertex_masses().size(), model.mesh().vertex_count());
+        if (HasFailure()) return;
+      }
+    }
+}
+
+TEST(Model, AnAddedVertexIsFixedWhenBothItComesFromAre) {
+  const TetMesh mesh = test::two_tets();
+  Model model(mesh, {{1, {}}, {2, {}}}, {1, 1, 0, 0, 0}, {});
+  const StiffnessChange change = model.apply(test::bisect_edges(mesh, {{VertexId(0), VertexId(1), 0.5}}));
+  EXPECT_EQ(change.added_fixed, (std::vector<std::uint8_t>{1}));
+  EXPECT_EQ(model.fixed(), (std::vector<std::uint8_t>{1, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(model.apply(test::bisect_edges(model.mesh(), {{VertexId(0), VertexId(2), 0.5}})).added_fixed,
+            (std::vector<std::uint8_t>{0}));
+}
+
+// By hand: a copy takes half, a vertex at 1/4 of an edge takes by its weights; what a lost vertex had goes to its
+// copies.
+TEST(Model, UniformSharesPassToAddedVertices) {
+  const TetMesh mesh = test::two_tets();
+  Dynamics d;
+  d.mass_lumping = MassLumping::uniform;
+  const Model whole(mesh, {{1, {}}, {2, {}}}, std::vector<std::uint8_t>(5, 0), d, 5.0);
+  Model bisected = whole;
+  bisected.apply(test::bisect_edges(mesh, {{VertexId(0), VertexId(3), 0.25}}));
+  const std::vector<double> expected{1 / 1.75, 1, 1, 1 / 1.25, 1, 0.75 / 1.75 + 0.25 / 1.25};
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_NEAR(bisected.vertex_masses()[v], expected[v], 1e-15);
+  EXPECT_FALSE(bisected.has_even_masses());
+  EXPECT_NE(bisected.fingerprint(), whole.fingerprint());
+
+  Model replaced = whole;  // both tets get copies of vertex 0, which goes
+  TopologyEdit edit;
+  edit.removed = {TetId(0), TetId(1)};
+  for (std::size_t t = 0; t < 2; ++t) {
+    edit.vertices.push_back({mesh.positions[0], VertexId(0), VertexId(0), 0});
+    Tet tet = mesh.tets[t];
+    std::replace(tet.begin(), tet.end(), VertexId(0), VertexId(5 + t));
+    edit.tets.push_back({tet, TetId(t)});
+  }
+  replaced.apply(edit);
+  const std::vector<double> after{1, 1, 1, 1, 0.5, 0.5};
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_NEAR(replaced.vertex_masses()[v], after[v], 1e-15);
+}
+
+TEST(Model, ScaledStiffnessIsThatOfAnotherMaterial) {
+  const TetMesh mesh = test::two_tets();
+  const std::vector<std::uint8_t> fixed(5, 0);
+  Model model(mesh, {{1, {1e5, 0.4, 1000}}, {2, {1e5, 0.4, 1000}}}, fixed, {});
+  const Model softer(mesh, {{1, {1e5, 0.4, 1000}}, {2, {2.5e4, 0.4, 1000}}}, fixed, {});
+  const BlockMatrix before = model.step_stiffness(), expected = softer.step_stiffness();
+  const std::string plain = model.fingerprint();
+  const StiffnessChange change = model.scale_stiffness(std::vector{TetId(1)}, std::vector{0.25});
+  EXPECT_EQ(change.touched.size(), 4u);
+  expect_change_is_fresh(change, before, model);
+  const BlockMatrix found = model.step_stiffness();
+  for (std::size_t k = 0; k < found.block.size(); ++k)
+    EXPECT_LT((found.block[k] - expected.block[k]).norm(), 1e-12 * expected.block[k].norm());
+  EXPECT_NE(model.fingerprint(), plain);
+  EXPECT_TRUE(model.scale_stiffness(std::vector{TetId(1)}, std::vector{0.25}).entries.empty()) << "nothing new";
+  (void)model.scale_stiffness(std::vector{TetId(1)}, std::vector{1.0});
+  EXPECT_EQ(model.fingerprint(), plain);
+  (void)model.scale_stiffness(std::vector{TetId(0)}, std::vector{3.0});
+  model.apply(test::bisect_edges(model.mesh(), {{VertexId(0), VertexId(3), 0.5}}));
+  EXPECT_EQ(model.stiffness_scale(), (std::vector<double>{1, 3, 3}));
+}
+
+TEST(Model, RefusesBadFactorsAndMassesAndStaysAsItWas) {
+  Model model = test::biliary_model(0.02);
+  const std::string before = model.fingerprint();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refused = [&](std::vector<TetId> tets, std::vector<double> factors) {
+    EXPECT_THROW(model.scale_stiffness(tets, factors), InputError);
+    EXPECT_EQ(model.fingerprint(), before);
+  };
+  refused({TetId(0)}, {});
+  refused({TetId(0), TetId(model.mesh().tet_count())}, {2, 2});
+  refused({TetId(1), TetId(0)}, {2, 2});
+  refused({TetId(0), TetId(0)}, {2, 2});
+  refused({TetId(0), TetId(1)}, {2, 0});
+  refused({TetId(0), TetId(1)}, {2, nan});
+  EXPECT_THROW(model.set_vertex_masses(std::vector<double>(model.mesh().vertex_count(), 1)), InputError);
+  EXPECT_THROW(model.apply({{TetId(model.mesh().tet_count())}, {}, {}}), InputError);
+  EXPECT_EQ(model.fingerprint(), before);
+}
+
+TEST(BlockMatrix, GrowsInPlace) {
+  test::Random random(9);
+  for (int round = 0; round < 20; ++round) {
+    const std::size_t n = 1 + random.below(12), larger = n + random.below(4);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> entries;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> fresh;
+    BlockMatrix matrix;
+    matrix.row_start.push_back(0);
+    for (std::uint32_t row = 0; row < larger; ++row) {
+      for (std::uint32_t column = 0; column < larger; ++column) {
+        if (random.below(3) == 0 && row < n && column < n) {
+          entries[{row, column}] = random.unit();
+          matrix.column.push_back(column);
+          matrix.block.push_back(Mat3::Constant(entries[{row, column}]));
+        } else if (random.below(4) == 0) {
+          fresh.emplace_back(row, column);
+        }
+      }
+      if (row < n) matrix.row_start.push_back(static_cast<std::uint32_t>(matrix.column.size()));
+    }
+    matrix.grow(larger, fresh);
+    ASSERT_EQ(matrix.rows(), larger);
+    EXPECT_EQ(matrix.column.size(), entries.size() + fresh.size());
+    for (const auto& place : fresh) entries[place] = 0;
+    for (const auto& [place, value] : entries) {
+      ASSERT_NE(matrix.find(place.first, place.second), nullptr);
+      EXPECT_EQ(*matrix.find(place.first, place.second), Mat3::Constant(value));
+    }
   }
 }
 

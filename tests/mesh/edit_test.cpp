@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "calot/base/error.h"
@@ -9,6 +10,7 @@
 #include "calot/mesh/quality.h"
 #include "calot/mesh/surface.h"
 #include "calot/mesh/topology_edit.h"
+#include "tests/support/edits.h"
 #include "tests/support/meshes.h"
 
 using namespace calot;
@@ -53,13 +55,35 @@ void expect_consistent(const TetMesh& before, const TetMesh& after, const Topolo
   for (const AddedTet& tet : edit.tets)
     for (const VertexId v : tet.vertices)
       if (v.index() < before.vertex_count()) alive.insert(v), of_changed.insert(v);
+  std::map<VertexId, Vec3> moved;
+  for (const MovedVertex& move : edit.moved) moved[move.vertex] = move.position;
+  std::vector<TetId> reshaped;
+  for (std::size_t t = 0; t < before.tet_count(); ++t) {
+    const Tet& tet = before.tets[t];
+    if (removed.contains(TetId(t)) ||
+        std::none_of(tet.begin(), tet.end(), [&](VertexId v) { return moved.contains(v); }))
+      continue;
+    reshaped.emplace_back(t);
+    of_changed.insert(tet.begin(), tet.end());
+  }
+  EXPECT_EQ(remap.reshaped, reshaped);
+  EXPECT_EQ(reshaped_tets(before, edit), reshaped);
+  ASSERT_EQ(remap.added_from.size(), edit.vertices.size());
+  for (std::size_t k = 0; k < edit.vertices.size(); ++k) {
+    EXPECT_EQ(remap.added_from[k].from, edit.vertices[k].from);
+    EXPECT_EQ(after.position(remap.added_vertices[k]), edit.vertices[k].position);
+  }
+  ASSERT_EQ(remap.added_parents.size(), edit.tets.size());
+  for (std::size_t k = 0; k < edit.tets.size(); ++k) EXPECT_EQ(remap.added_parents[k], edit.tets[k].parent);
+  EXPECT_EQ(remap.moved.size(), edit.moved.size());
   std::vector<VertexId> orphaned, touched;
   for (std::size_t v = 0; v < before.vertex_count(); ++v) {
     if (!alive.contains(VertexId(v))) orphaned.emplace_back(v);
     if (alive.contains(VertexId(v)) && of_changed.contains(VertexId(v))) touched.emplace_back(v);
     EXPECT_EQ(remap.vertex_to_new[v].valid(), alive.contains(VertexId(v)));
     if (alive.contains(VertexId(v))) {
-      EXPECT_EQ(after.position(remap.vertex_to_new[v]), before.positions[v]);
+      EXPECT_EQ(after.position(remap.vertex_to_new[v]),
+                moved.contains(VertexId(v)) ? moved.at(VertexId(v)) : before.positions[v]);
     }
   }
   EXPECT_EQ(remap.orphaned, orphaned);
@@ -157,6 +181,45 @@ TEST(Edit, RandomEdgeSplitsConserveVolumeAndConformity) {
   EXPECT_EQ(mesh.vertex_count(), bar_mesh(4).vertex_count() + 60);
 }
 
+TEST(Edit, EditsOfEveryKindInAnyOrder) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    TetMesh mesh = seed % 2 == 0 ? biliary_mesh() : box_mesh(4, 4, 4, {0.04, 0.04, 0.04}, CubeSplit::five);
+    Random random(seed);
+    std::size_t moved = 0, added = 0;
+    for (int step = 0; step < 30; ++step) {
+      const TetMesh before = mesh;
+      const TopologyEdit edit = random_edit(mesh, 1 + random.below(10), random.next());
+      const Remap remap = apply(mesh, edit);
+      expect_consistent(before, mesh, edit, remap);
+      ASSERT_FALSE(validate(mesh).fatal()) << validate(mesh).describe();
+      if (edit.removed.size() != edit.tets.size() && edit.tets.empty()) continue;
+      EXPECT_NEAR(volume_of(mesh), volume_of(before), edit.moved.empty() ? 1e-17 : 0.05 * volume_of(before));
+      moved += edit.moved.size();
+      added += edit.vertices.size();
+      if (HasFailure()) return;
+    }
+    EXPECT_GT(moved, 5u);
+    EXPECT_GT(added, 10u);
+  }
+}
+
+// All at once: an edge is bisected, one end of it moves, a tet elsewhere goes.
+TEST(Edit, RemovesAddsAndMovesTogether) {
+  TetMesh mesh = box_mesh(4, 3, 3, {0.04, 0.03, 0.03});
+  const TetMesh before = mesh;
+  const Tet inner = mesh.tets[mesh.tet_count() / 2];
+  TopologyEdit edit = split_edge(mesh, inner[0], inner[1], 0.5);
+  std::size_t last = mesh.tet_count() - 1;
+  while (std::binary_search(edit.removed.begin(), edit.removed.end(), TetId(last))) --last;
+  edit.removed.emplace_back(last);
+  std::sort(edit.removed.begin(), edit.removed.end());
+  edit.moved.push_back({inner[0], inner[1], 0.1, 0.9 * mesh.position(inner[0]) + 0.1 * mesh.position(inner[1])});
+  const Remap remap = apply(mesh, edit);
+  expect_consistent(before, mesh, edit, remap);
+  EXPECT_FALSE(validate(mesh).fatal());
+  EXPECT_FALSE(remap.reshaped.empty());
+}
+
 TEST(Edit, AddedTetsInheritTheRegionOfTheirParent) {
   TetMesh mesh = two_tets();
   const TopologyEdit edit = split_edge(mesh, VertexId(0), VertexId(3), 0.5);
@@ -223,6 +286,47 @@ TEST(Edit, BadEditsAreRefusedAndLeaveTheMeshAlone) {
   refused({{TetId(0)},
            {{Vec3(0, NAN, 0), VertexId(0), VertexId(1), 0.5}},
            {{{VertexId(0), VertexId(1), VertexId(2), VertexId(5)}, TetId(0)}}});
+}
+
+TEST(Edit, BadMovesAndFlatTetsAreRefusedAndLeaveTheMeshAlone) {
+  TetMesh mesh = box_mesh(2, 1, 1, {0.02, 0.01, 0.01});
+  const TetMesh before = mesh;
+  const auto refused = [&](const TopologyEdit& edit) {
+    EXPECT_THROW(apply(mesh, edit), InputError);
+    EXPECT_THROW(extent_of(before, edit), InputError);
+    EXPECT_EQ(mesh.tets, before.tets);
+    EXPECT_EQ(mesh.positions, before.positions);
+    EXPECT_EQ(mesh.regions, before.regions);
+  };
+  const auto move = [&](std::size_t v, std::size_t to, double weight) {
+    return MovedVertex{VertexId(v), VertexId(to), weight,
+                       (1 - weight) * before.positions[v] + weight * before.positions[to]};
+  };
+  TetMesh fine = before;
+  EXPECT_NO_THROW(apply(fine, {{}, {}, {}, {move(0, 1, 0.2), move(3, 0, 0.2)}}));
+  refused({{}, {}, {}, {move(3, 0, 0.2), move(0, 1, 0.2)}});              // not ascending
+  refused({{}, {}, {}, {move(0, 1, 0.2), move(0, 1, 0.2)}});              // twice
+  refused({{}, {}, {}, {move(0, 2, 0.2)}});                               // shares no tet
+  refused({{}, {}, {}, {move(0, 0, 0.2)}});                               // goes nowhere
+  refused({{}, {}, {}, {{VertexId(12), VertexId(0), 0, Vec3::Zero()}}});  // not there
+  refused({{}, {}, {}, {{VertexId(0), VertexId(12), 0, Vec3::Zero()}}});
+  refused({{}, {}, {}, {move(0, 1, 1.0)}});  // flat
+  refused({{}, {}, {}, {move(0, 1, 1.2)}});  // beyond the edge
+  refused({{}, {}, {}, {move(0, 1, -0.1)}});
+  MovedVertex wild = move(0, 1, 0.5);
+  wild.position = Vec3(0.05, 0.02, 0.03);  // turns a tet inside out
+  refused({{}, {}, {}, {wild}});
+  wild.position = Vec3(NAN, 0, 0);
+  refused({{}, {}, {}, {wild}});
+  TopologyEdit gone;
+  for (std::size_t t = 0; t < before.tet_count(); ++t)
+    if (std::find(before.tets[t].begin(), before.tets[t].end(), VertexId(0)) != before.tets[t].end())
+      gone.removed.emplace_back(t);
+  gone.moved.push_back(move(0, 1, 0.2));  // does not survive
+  refused(gone);
+  const Tet& tet = before.tets[0];
+  refused({{TetId(0)}, {}, {{{tet[0], tet[2], tet[1], tet[3]}, TetId(0)}}});  // inverted
+  refused({{TetId(0)}, {}, {{{tet[0], tet[0], tet[2], tet[3]}, TetId(0)}}});  // a vertex twice: flat
 }
 
 TEST(Edit, ExactlyTheSameEveryTime) {
