@@ -35,4 +35,16 @@ struct MovingShape {
   double friction = 0.1;  ///< Coulomb's coefficient against tissue, ≥ 0
 };
 
+/// The pose at `share` (0 … 1) of the way from one pose to another on a screw: constant twist, the shorter way round.
+Pose pose_between(const Pose& from, const Pose& to, double share);
+
+/// The twist of that screw: a point x of the body moves off with turn × (x − from.position) + shift per whole way, and
+/// keeps that speed.
+struct Screw {
+  Vec3 turn = Vec3::Zero();   ///< axis times angle, ≤ π [rad]
+  Vec3 shift = Vec3::Zero();  ///< of from.position [m]
+};
+Screw screw_between(const Pose& from, const Pose& to);
+Pose pose_on(const Pose& from, const Screw& screw, double share);
+
 }  // namespace calot

@@ -33,4 +33,7 @@ struct TissueContact {
   std::uint64_t key = 0;               ///< names the pair of features from step to step, for warm starts
 };
 
+/// Rows: the normal and two tangents, right-handed and orthonormal; a function of the normal alone.
+Eigen::Matrix3d contact_frame(const Vec3& normal);
+
 }  // namespace calot

@@ -1,0 +1,284 @@
+// Tissue against moving rigid shapes: each piece is followed along its screw motion until it comes near a triangle.
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "calot/contact/box_tree.h"
+#include "calot/contact/detect_parts.h"
+#include "calot/contact/simplex_distance.h"
+
+namespace calot::detail {
+namespace {
+
+constexpr double on_it = 1e-9;         // weights below this: not on that corner's side
+constexpr double least_cosine = 0.87;  // a direction may be bent by 30° to fit the surface
+constexpr int finest = 64;             // samples of a path
+
+/// Which of a triangle's corners a point on it belongs to: one (a vertex), two (an edge) or three (the face).
+struct Feature {
+  std::array<VertexId, 3> vertices;  // ascending
+  int count = 0;
+  Feature(const ContactTriangle& triangle, const Vec3& weights) {
+    for (int c = 0; c < 3; ++c)
+      if (weights(c) > on_it) vertices[count++] = triangle.vertices[c];
+    // Ascending; three values need three exchanges at most.
+    if (count > 1 && vertices[1] < vertices[0]) std::swap(vertices[0], vertices[1]);
+    if (count > 2 && vertices[2] < vertices[1]) std::swap(vertices[1], vertices[2]);
+    if (count > 2 && vertices[1] < vertices[0]) std::swap(vertices[0], vertices[1]);
+  }
+  [[nodiscard]] bool has(VertexId v) const {
+    return std::find(vertices.begin(), vertices.begin() + count, v) != vertices.begin() + count;
+  }
+  [[nodiscard]] bool within(const ContactTriangle& triangle) const {
+    for (int i = 0; i < count; ++i)
+      if (std::find(triangle.vertices.begin(), triangle.vertices.end(), vertices[i]) == triangle.vertices.end())
+        return false;
+    return true;
+  }
+};
+
+/// The contacts of one shape.
+class ShapeContacts {
+ public:
+  ShapeContacts(const ContactSurface& surface, const MovingShape& moving, std::uint32_t number,
+                const ContactOptions& options, std::vector<Candidate>& found)
+      : surface_(surface), moving_(moving), number_(number), options_(options), found_(found) {
+    screw_ = screw_between(moving.from, moving.to);
+    for (const RoundedPiece& piece : moving.shape->pieces) longest_ = std::max(longest_, path_of(piece));
+    const double steps = std::ceil((longest_ + surface.largest_motion()) / (0.5 * options.margin));
+    samples_ = static_cast<int>(std::clamp(steps, 1.0, double(finest)));
+    for (int k = 0; k <= samples_; ++k) poses_.push_back(pose_on(moving.from, screw_, double(k) / samples_));
+  }
+
+  void find() {
+    for (std::uint32_t i = 0; i < moving_.shape->pieces.size(); ++i) {
+      piece_ = i;
+      const RoundedPiece& piece = moving_.shape->pieces[i];
+      path_ = path_of(piece);
+      surface_.tree().each(swept_box(piece), [&](std::uint32_t triangle) { follow(piece, triangle); });
+      find_inside(piece);
+    }
+  }
+
+ private:
+  /// How far the corner that moves most comes; on a screw every point keeps its speed.
+  [[nodiscard]] double path_of(const RoundedPiece& piece) const {
+    double longest = 0;
+    for (int c = 0; c < piece.corner_count; ++c)
+      longest = std::max(longest, (screw_.turn.cross(moving_.from.rotation * piece.corners[c]) + screw_.shift).norm());
+    return longest;
+  }
+
+  [[nodiscard]] Box swept_box(const RoundedPiece& piece) const {
+    Box box;
+    for (const Pose& pose : poses_)
+      for (int c = 0; c < piece.corner_count; ++c) box.add(pose * piece.corners[c]);
+    // Between samples a corner leaves its chord by an eighth of (arc × angle).
+    const double bulge = path_ * screw_.turn.norm() / (8.0 * samples_ * samples_);
+    box.widen(piece.radius + 0.5 * options_.margin + bulge);
+    return box;
+  }
+
+  [[nodiscard]] Corners core_at(const RoundedPiece& piece, int k) const {
+    Corners core;
+    for (int c = 0; c < 3; ++c)
+      core[c] = c < piece.corner_count ? Vec3(poses_[k] * piece.corners[c]) : Vec3(Vec3::Zero());
+    return core;
+  }
+  [[nodiscard]] Vec3 tissue_at(VertexId v, int k) const {
+    return surface_.positions()[v.index()] + (double(k) / samples_) * surface_.motion()[v.index()];
+  }
+  [[nodiscard]] Corners triangle_at(std::uint32_t triangle, int k) const {
+    const auto& v = surface_.triangles()[triangle].vertices;
+    return {tissue_at(v[0], k), tissue_at(v[1], k), tissue_at(v[2], k)};
+  }
+
+  /// A pair of a core and a triangle at one sample.
+  struct Approach {
+    int k = -1;
+    Corners core, corners;
+    Closest closest;
+    Vec3 out = Vec3::Zero();
+  };
+
+  /// Conservative advancement over the samples: a pair cannot come near sooner than its distance over its speed. Inside
+  /// the margin every sample is looked at, until the pair touches; one that only passes by is judged where it is
+  /// closest, as its motion is along the surface there.
+  void follow(const RoundedPiece& piece, std::uint32_t triangle) {
+    double speed = path_;
+    for (const VertexId v : surface_.triangles()[triangle].vertices)
+      speed = std::max(speed, path_ + surface_.motion()[v.index()].norm());
+    Approach best, now;
+    for (now.k = 0; now.k <= samples_;) {
+      now.core = core_at(piece, now.k);
+      now.corners = triangle_at(triangle, now.k);
+      now.closest = closest_points(now.core, piece.corner_count, now.corners);
+      const double excess = now.closest.distance - piece.radius - options_.margin;
+      if (excess <= 0 && (best.k < 0 || now.closest.distance < best.closest.distance) && now.closest.distance > 1e-9 &&
+          way_out(triangle, now.corners, now.closest.weights_b, now.closest.a - now.closest.b, now.k, now.out))
+        best = now;
+      if (best.k >= 0 && best.closest.distance <= piece.radius) break;
+      const double safe = speed > 0 ? std::max(0.0, excess) / speed * samples_ : double(samples_);
+      now.k += std::max(1, static_cast<int>(std::min(safe, double(samples_ + 1))));
+    }
+    if (best.k >= 0) touch(piece, triangle, best);
+  }
+
+  /// The closest pair, and what else spreads over the triangle.
+  void touch(const RoundedPiece& piece, std::uint32_t triangle, const Approach& at) {
+    const bool touches = at.closest.distance <= piece.radius * (1 + 1e-9);
+    add(piece, triangle, at.closest.weights_a, at.closest.weights_b, at.out, at.k, touches);
+    if (piece.corner_count == 1) return;
+    const auto near = [&](const Vec3& weights_a, const Vec3& weights_b) {
+      const Vec3 apart = weighted(at.core, weights_a) - weighted(at.corners, weights_b);
+      Vec3 out;
+      if (apart.norm() < piece.radius + options_.margin && apart.norm() > 1e-9 &&
+          way_out(triangle, at.corners, weights_b, apart, at.k, out))
+        add(piece, triangle, weights_a, weights_b, out, at.k, touches);
+    };
+    for (int c = 0; c < piece.corner_count; ++c)
+      near(Vec3::Unit(c), closest_on_triangle(at.core[c], at.corners[0], at.corners[1], at.corners[2]));
+    for (int c = 0; c < 3; ++c) near(closest_on_simplex(at.corners[c], at.core, piece.corner_count), Vec3::Unit(c));
+  }
+
+  /// The direction away from the tissue at a point of its surface, towards `apart`. On an edge or a vertex it is bent
+  /// out of the neighbours' way, so that sliding over flat triangles doesn't catch on their edges.
+  /// @return false where `apart` points into the tissue, or a neighbour is what is really closest
+  [[nodiscard]] bool way_out(std::uint32_t triangle, const Corners& corners, const Vec3& weights, const Vec3& apart,
+                             int k, Vec3& out) const {
+    const ContactTriangle& own = surface_.triangles()[triangle];
+    const Feature feature(own, weights);
+    const Vec3 toward = apart.normalized();
+    if (feature.count == 3) {
+      out = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+      return out.dot(toward) > 0;
+    }
+    // Where the surface leads from here: the neighbours' corners; across the edge, if it is on one.
+    const Vec3 at = weighted(corners, weights);
+    const bool on_edge = feature.count == 2;
+    const Vec3 edge = on_edge
+                          ? Vec3((tissue_at(feature.vertices[1], k) - tissue_at(feature.vertices[0], k)).normalized())
+                          : Vec3(Vec3::Zero());
+    Vec3 facing = Vec3::Zero();
+    ways_.clear();
+    for (const std::uint32_t i : surface_.around(feature.vertices[0])) {
+      const ContactTriangle& other = surface_.triangles()[i];
+      if (!feature.within(other)) continue;
+      const Corners c = triangle_at(i, k);
+      facing += (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+      for (int j = 0; j < 3; ++j) {
+        if (feature.has(other.vertices[j])) continue;
+        const Vec3 way = c[j] - at;
+        ways_.push_back((way - way.dot(edge) * edge).normalized());
+      }
+    }
+    // Projections in turn onto the directions that climb none of these ways.
+    out = toward - toward.dot(edge) * edge;
+    double steepest = 1;
+    for (int round = 0; round < 20 && steepest > 1e-3; ++round) {
+      steepest = 0;
+      for (const Vec3& way : ways_) {
+        const double climb = out.dot(way);
+        if (climb <= 0) continue;
+        steepest = std::max(steepest, climb);
+        out -= climb * way;
+      }
+    }
+    const double length = out.norm();
+    if (!(length > least_cosine)) return false;  // the projection's length is the cosine of the bend
+    out /= length;
+    return steepest < 0.02 && out.dot(facing) > 0;
+  }
+
+  /// A pair that only passes by moves no further than to where it is closest: beyond, the plane through that place
+  /// would hold up a tool that is free to go.
+  void add(const RoundedPiece& piece, std::uint32_t triangle, const Vec3& weights_core, const Vec3& weights,
+           const Vec3& out, int k, bool touches) {
+    const ContactTriangle& own = surface_.triangles()[triangle];
+    Vec3 body = Vec3::Zero();
+    for (int c = 0; c < piece.corner_count; ++c) body += weights_core(c) * piece.corners[c];
+    body += poses_[k].rotation.conjugate() * (-piece.radius * out);
+    Candidate candidate;
+    TissueContact& contact = candidate.contact;
+    contact.point = {own.vertices, weights, own.tet};
+    contact.shape = number_;
+    contact.normal = -out;
+    contact.friction = moving_.friction;
+    contact.place = moving_.from * body;
+    contact.partner_motion = moving_.to * body - contact.place;
+    const Vec3 until_closest = poses_[k] * body - contact.place;
+    if (!touches && contact.normal.dot(until_closest) < contact.normal.dot(contact.partner_motion))
+      contact.partner_motion = until_closest;
+    Vec3 motion = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) {
+      candidate.at += weights(c) * surface_.positions()[own.vertices[c].index()];
+      motion += weights(c) * surface_.motion()[own.vertices[c].index()];
+    }
+    contact.gap = contact.normal.dot(candidate.at - contact.place);
+    candidate.expected = contact.gap + contact.normal.dot(motion - contact.partner_motion);
+    if (candidate.expected > options_.margin) return;
+    const Feature feature(own, weights);
+    std::uint64_t core = 0;  // which corners of the piece touch
+    for (int c = 0; c < 3; ++c) core |= weights_core(c) > on_it ? std::uint64_t{1} << c : 0;
+    const auto id = [&](int i) { return i < feature.count ? std::uint64_t{feature.vertices[i].value} : 0xffffffffu; };
+    contact.key = key_of({1, number_, piece_, core, id(0), id(1), id(2)});
+    found_.push_back(candidate);
+  }
+
+  /// Points of a core that are inside tissue at the step's start: out through the nearest surface.
+  void find_inside(const RoundedPiece& piece) {
+    const Corners core = core_at(piece, 0);
+    int between = 1;
+    for (int c = 1; c < piece.corner_count; ++c)
+      between = std::max(between, static_cast<int>(std::ceil((core[c] - core[c - 1]).norm() / (2 * piece.radius))));
+    between = std::min(between, 8);
+    for_each_sample(piece.corner_count, between, [&](const Vec3& weights) {
+      const Vec3 p = weighted(core, weights);
+      if (surface_.triangles().empty() || surface_.tree().whole().squared_distance(p) > 0) return;
+      const ContactSurface::Nearest nearest = surface_.nearest(p);
+      if (nearest.distance >= 0) return;
+      const auto& v = surface_.triangles()[nearest.triangle].vertices;
+      Vec3 s = Vec3::Zero();
+      for (int c = 0; c < 3; ++c) s += nearest.weights(c) * surface_.positions()[v[c].index()];
+      const double depth = (s - p).norm();
+      const Vec3 out = depth > 1e-9 ? Vec3((s - p) / depth) : surface_.normals()[nearest.triangle];
+      add(piece, nearest.triangle, weights, nearest.weights, out, 0, true);
+    });
+  }
+
+  template <class Visit>
+  static void for_each_sample(int corners, int between, const Visit& visit) {
+    if (corners == 1) return visit(Vec3::UnitX());
+    for (int i = 0; i <= between; ++i) {
+      if (corners == 2) {
+        const double x = double(i) / between;
+        visit({1 - x, x, 0});
+        continue;
+      }
+      for (int j = 0; i + j <= between; ++j) {
+        const double x = double(i) / between, y = double(j) / between;
+        visit({1 - x - y, x, y});
+      }
+    }
+  }
+
+  const ContactSurface& surface_;
+  const MovingShape& moving_;
+  std::uint32_t number_, piece_ = 0;
+  const ContactOptions& options_;
+  std::vector<Candidate>& found_;
+  Screw screw_;
+  std::vector<Pose> poses_;  // samples_ + 1, from start to end
+  int samples_ = 1;
+  double longest_ = 0, path_ = 0;
+  mutable std::vector<Vec3> ways_;  // kept for its memory
+};
+
+}  // namespace
+
+void find_shape_contacts(const ContactSurface& surface, std::span<const MovingShape> shapes,
+                         const ContactOptions& options, std::vector<Candidate>& found) {
+  for (std::uint32_t s = 0; s < shapes.size(); ++s) ShapeContacts(surface, shapes[s], s, options, found).find();
+}
+
+}  // namespace calot::detail
