@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "calot/base/error.h"
 #include "calot/cut/separate.h"
@@ -26,7 +27,7 @@ void check(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> 
     throw InputError("split", "fixed has another size than the mesh has vertices", "give one flag for each vertex");
   if (!(options.flatness > 0) || !(options.margin >= 0) || !std::isfinite(options.flatness + options.margin))
     throw InputError("split", "flatness must be a length > 0 and margin one ≥ 0", "give metres");
-  if (!(options.smallest_angle >= 0) || options.smallest_angle > 60)
+  if (!(options.smallest_angle >= 0 && options.smallest_angle <= 60))
     throw InputError("split", "smallest_angle must be within 0 … 60 degrees", "use 3");
   if (options.stroke == nullptr) return;
   for (const std::vector<VertexId>* list : {&options.stroke->front, &options.stroke->lips}) {
@@ -117,8 +118,7 @@ class Splitter {
   /// A face with corners from earlier sweeps belongs to this cut only if it lies about as the blade does.
   [[nodiscard]] bool lies_along(const FaceKey& key) const {
     const auto& [a, b, c] = key;
-    if (std::max({std::abs(height(a)), std::abs(height(b)), std::abs(height(c))}) <= 1.5 * patch_.flatness)
-      return true;
+    if (std::max({std::abs(height(a)), std::abs(height(b)), std::abs(height(c))}) <= 1.5 * patch_.flatness) return true;
     const Vec3 u = plan_.now(b) - plan_.now(a), v = plan_.now(c) - plan_.now(a);
     return std::abs(u.cross(v).normalized().dot(blade_.normal())) >= 0.5;
   }
@@ -210,6 +210,50 @@ class Splitter {
     std::sort(open.begin(), open.end());
   }
 
+  /// A piece with all corners on the cut has hardly any thickness: it must not come off on its own, so one of its faces
+  /// stays joined, on the side that most of it lies.
+  void keep_flat_pieces(std::vector<FaceKey>& open) const {
+    std::vector<std::uint32_t> flat;
+    std::vector<FaceKey> faces;  // of them
+    const auto face_of = [&](std::uint32_t p, std::size_t f) {
+      const auto& c = detail::face_corners[f];
+      return detail::face_key(pieces_[p][c[0]], pieces_[p][c[1]], pieces_[p][c[2]]);
+    };
+    const auto on = [&](std::uint32_t corner) { return on_cut_[corner] != 0 || on_lip(corner); };
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+      if (std::all_of(pieces_[p].begin(), pieces_[p].end(), on)) flat.push_back(p);
+    if (flat.empty() || open.empty()) return;
+    for (const std::uint32_t p : flat)
+      for (std::size_t f = 0; f < 4; ++f) faces.push_back(face_of(p, f));
+    std::sort(faces.begin(), faces.end());
+    std::vector<CutFace> tets;  // at those faces
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+      for (std::size_t f = 0; f < 4; ++f)
+        if (const FaceKey key = face_of(p, f); std::binary_search(faces.begin(), faces.end(), key))
+          tets.push_back({key, p, pieces_[p][f]});
+    std::sort(tets.begin(), tets.end());
+    for (const std::uint32_t p : flat) {
+      const double middle = height_of_middle(p);
+      const FaceKey* best = nullptr;
+      double most = -std::numeric_limits<double>::infinity();
+      bool joined = false;
+      for (std::size_t f = 0; f < 4 && !joined; ++f) {
+        const FaceKey key = face_of(p, f);
+        auto at = std::lower_bound(tets.begin(), tets.end(), CutFace{key, 0, 0});
+        for (; at != tets.end() && at->key == key; ++at) {
+          if (at->piece == p) continue;
+          const auto opened = std::lower_bound(open.begin(), open.end(), key);
+          joined = joined || opened == open.end() || *opened != key;
+          const double agrees = (middle < 0 ? -1 : 1) * height(at->opposite);
+          if (agrees <= most) continue;
+          most = agrees;
+          best = &at->key;
+        }
+      }
+      if (!joined && best != nullptr) open.erase(std::lower_bound(open.begin(), open.end(), *best));
+    }
+  }
+
   std::vector<FaceKey> faces_to_open() const {
     const std::vector<CutFace> faces = faces_on_cut(false);
     const std::vector<std::int8_t> side = sides_of_pieces(faces);
@@ -221,6 +265,7 @@ class Splitter {
       open.push_back(faces[i].key);
     }
     add_leftovers(open);
+    keep_flat_pieces(open);
     return open;
   }
 
@@ -369,7 +414,7 @@ SplitEdit split_along(const TetMesh& mesh, const VertexTets& around, std::span<c
     if (options.stroke != nullptr) edit.report.stroke = *options.stroke;
   } else {
     SplitPlan plan(patch);
-    plan.search();
+    plan.search(options.smallest_angle);
     edit = Splitter(mesh, patch, plan, blade, options).run();
   }
   write_notes(options, blade, edit);

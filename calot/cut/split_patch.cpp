@@ -200,6 +200,7 @@ class Gatherer {
     for (const auto& c : patch_.corners)
       for (const auto& [i, j] : edge_corners) sum += (patch_.now[c[i]] - patch_.now[c[j]]).norm();
     const double edge = sum / (6 * static_cast<double>(patch_.corners.size()));
+    patch_.most_flatness = options_.flatness;
     patch_.flatness = std::min(options_.flatness, flatness_share * edge);
   }
 

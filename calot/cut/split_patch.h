@@ -45,6 +45,7 @@ struct SplitPatch {
   Rows ring, edges_of_vertex;                              ///< tets of each edge; crossed edges of each vertex
   bool deformed = false;                                   ///< `now` differs from `rest`
   double smallest_region = 0;                              ///< volume [m³]
+  double most_flatness = 0;                                ///< as asked
   double flatness = 0;  ///< how far off the plane the cut may lie: as asked, but little beside the edges [m]
 };
 

@@ -20,9 +20,13 @@ constexpr double carried_share = 0.4;
 // What a slide may change of the volume around the vertex, and of the smallest region: four tets' corners share a tet,
 // so that all slides together stay below 0.1 %.
 constexpr double outline_change = 2.5e-4, outline_change_of_region = 3e-6;
+// For the few vertices of tets that end below the wanted angle it may be so many times more.
+constexpr double generous_outline = 8;
 // Pieces with smaller angles than this are worked on [°].
 constexpr double good_angle = 9;
 constexpr int rounds = 6;
+// Tets for which whole neighbourhoods are tried: this is what costs time, and hardly ever needed.
+constexpr std::uint32_t most_rearranged = 8;
 // A tet with all corners on the blade belongs to neither side: worth avoiding, but no error.
 constexpr double flat_on_blade = 50;
 constexpr double price_of_a_piece = 0.02;
@@ -102,25 +106,27 @@ void SplitPlan::find_outlines() {
   }
 }
 
-void SplitPlan::list_choices(std::uint32_t v) {
+/// @param generous  where nothing else helps: up to the whole flatness asked for, and more of the outline's volume
+void SplitPlan::list_choices(std::uint32_t v, bool generous) {
   choices_[v].assign(1, {});
   double shortest = std::numeric_limits<double>::infinity();
   for (const std::uint32_t t : patch_.star[v])
     for (const std::uint32_t w : patch_.corners[t])
       if (w != v) shortest = std::min(shortest, (patch_.now[v] - patch_.now[w]).norm());
   const double height = std::abs(patch_.height[v]);
-  if (height <= patch_.flatness && height <= taken_share * shortest) choices_[v].push_back({Meeting::taken});
+  if (height <= (generous ? patch_.most_flatness : patch_.flatness) && height <= taken_share * shortest)
+    choices_[v].push_back({Meeting::taken});
   if (patch_.fixed[v] != 0) return;
   for (const std::uint32_t e : patch_.edges_of_vertex[v]) {
     const CrossedEdge& edge = patch_.edges[e];
     const double share = edge.a == v ? edge.share : 1 - edge.share;
     if (share > longest_slide) continue;
     const Vec3 place = patch_.rest[edge.a] + edge.share * (patch_.rest[edge.b] - patch_.rest[edge.a]);
-    if (keeps_outline(v, place)) choices_[v].push_back({Meeting::slid, e});
+    if (keeps_outline(v, place, generous ? generous_outline : 1)) choices_[v].push_back({Meeting::slid, e});
   }
 }
 
-bool SplitPlan::keeps_outline(std::uint32_t v, const Vec3& place) const {
+bool SplitPlan::keeps_outline(std::uint32_t v, const Vec3& place, double slack) const {
   if (outline_[v].empty()) return true;
   double change = 0, around = 0;
   for (const auto& [x, y] : outline_[v])
@@ -129,7 +135,7 @@ bool SplitPlan::keeps_outline(std::uint32_t v, const Vec3& place) const {
     const auto& c = patch_.corners[t];
     around += signed_volume(patch_.rest[c[0]], patch_.rest[c[1]], patch_.rest[c[2]], patch_.rest[c[3]]);
   }
-  return change <= std::max(outline_change * around, outline_change_of_region * patch_.smallest_region);
+  return change <= slack * std::max(outline_change * around, outline_change_of_region * patch_.smallest_region);
 }
 
 void SplitPlan::set(std::uint32_t v, const Choice& choice) {
@@ -271,11 +277,65 @@ bool SplitPlan::mend(std::uint32_t tet) {
   return better;
 }
 
-void SplitPlan::search() {
+/// The tets that share a vertex with this one.
+std::vector<std::uint32_t> SplitPlan::tets_about(std::uint32_t tet) const {
+  std::vector<std::uint32_t> tets;
+  for (const std::uint32_t v : patch_.corners[tet])
+    if (v < patch_.core) tets.insert(tets.end(), patch_.star[v].begin(), patch_.star[v].end());
+  std::sort(tets.begin(), tets.end());
+  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  return tets;
+}
+
+/// Lets every choice at these tets find its best place among the others.
+void SplitPlan::settle(const std::vector<std::uint32_t>& tets) {
+  for (int round = 0; round < 2; ++round)
+    for (const std::uint32_t t : tets)
+      if (smallest_angle(t) < good_angle) mend(t);
+}
+
+/// Forces one choice at the tet, lets those around it settle, and keeps the whole if that is better.
+bool SplitPlan::rearrange(std::uint32_t tet) {
+  std::vector<std::uint32_t> tets;
+  for (const std::uint32_t t : tets_about(tet))
+    for (const std::uint32_t u : tets_about(t)) tets.push_back(u);
+  std::sort(tets.begin(), tets.end());
+  tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+  const std::vector<std::uint32_t> about = tets_about(tet);
+  for (const std::uint32_t v : patch_.corners[tet])
+    for (const Choice& choice : choices_[v]) {
+      if (choice.meeting == meeting_[v] && choice.along == along_[v]) continue;
+      const SplitPlan before = *this;
+      const double least = price_of(tets) - 1e-6;
+      set(v, choice);
+      const std::vector<Choice> all = std::move(choices_[v]);
+      choices_[v].clear();  // so that it stays as forced
+      settle(about);
+      choices_[v] = all;
+      if (price_of(tets) < least) return true;
+      restore(before);
+    }
+  return false;
+}
+
+void SplitPlan::restore(const SplitPlan& before) {
+  meeting_ = before.meeting_;
+  along_ = before.along_;
+  rest_ = before.rest_;
+  now_ = before.now_;
+  share_ = before.share_;
+  edge_rest_ = before.edge_rest_;
+  edge_now_ = before.edge_now_;
+  priority_ = before.priority_;
+  highest_ = before.highest_;
+  lowest_ = before.lowest_;
+}
+
+void SplitPlan::search(double wanted) {
   std::vector<std::pair<double, std::uint32_t>> order;  // nearest crossing first
   for (std::uint32_t v = 0; v < patch_.core; ++v) {
     if (patch_.edges_of_vertex[v].empty() || on(v)) continue;
-    list_choices(v);
+    list_choices(v, false);
     double nearest = 1;
     for (const std::uint32_t e : patch_.edges_of_vertex[v])
       nearest = std::min(nearest, patch_.edges[e].a == v ? patch_.edges[e].share : 1 - patch_.edges[e].share);
@@ -291,6 +351,14 @@ void SplitPlan::search() {
     bool better = false;
     for (const auto& [angle, t] : bad) better = mend(t) || better;
     if (!better) break;
+  }
+  for (std::uint32_t t = 0, tries = 0; t < patch_.tet.size() && tries < most_rearranged; ++t) {
+    if (smallest_angle(t) >= 1.1 * wanted) continue;
+    ++tries;
+    for (const std::uint32_t v : patch_.corners[t])
+      if (v < patch_.core && meeting_[v] != Meeting::given && !patch_.edges_of_vertex[v].empty()) list_choices(v, true);
+    if (mend(t) && smallest_angle(t) >= 1.1 * wanted) continue;
+    rearrange(t);
   }
 }
 

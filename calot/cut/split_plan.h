@@ -25,7 +25,8 @@ using Pieces = std::vector<std::array<std::uint32_t, 4>>;
 class SplitPlan {
  public:
   explicit SplitPlan(const SplitPatch& patch);
-  void search();
+  /// @param wanted  smallest dihedral [°]; below it single choices are not the end of it
+  void search(double wanted);
 
   [[nodiscard]] Meeting meeting(std::uint32_t v) const { return meeting_[v]; }
   [[nodiscard]] std::uint32_t slid_along(std::uint32_t v) const { return along_[v]; }  ///< edge, where slid
@@ -51,8 +52,8 @@ class SplitPlan {
   [[nodiscard]] bool on(std::uint32_t v) const { return meeting_[v] != Meeting::off; }
   void find_given();
   void find_outlines();
-  void list_choices(std::uint32_t v);
-  [[nodiscard]] bool keeps_outline(std::uint32_t v, const Vec3& place) const;
+  void list_choices(std::uint32_t v, bool generous);
+  [[nodiscard]] bool keeps_outline(std::uint32_t v, const Vec3& place, double slack) const;
   void set(std::uint32_t v, const Choice& choice);
   void set_share(std::uint32_t edge, double share);
   [[nodiscard]] double price(std::uint32_t tet) const;
@@ -62,6 +63,10 @@ class SplitPlan {
   bool reorder(std::uint32_t edge);
   bool shift(std::uint32_t edge);
   bool mend(std::uint32_t tet);
+  bool rearrange(std::uint32_t tet);
+  [[nodiscard]] std::vector<std::uint32_t> tets_about(std::uint32_t tet) const;
+  void restore(const SplitPlan& before);
+  void settle(const std::vector<std::uint32_t>& tets);
 
   const SplitPatch& patch_;
   std::vector<Meeting> meeting_;
