@@ -21,13 +21,13 @@ std::uint64_t key_of(std::initializer_list<std::uint64_t> parts) {
 
 namespace {
 
-/// The deepest of each key, then greedily those far enough from the ones taken, deepest first.
-std::vector<std::size_t> spread(const std::vector<Candidate>& sorted, double spacing) {
+/// Greedily those far enough from the ones taken, deepest first.
+std::vector<std::size_t> spread(const std::vector<const Candidate*>& sorted, double spacing) {
   std::vector<std::size_t> taken;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    const Candidate& c = sorted[i];
+    const Candidate& c = *sorted[i];
     const bool near = std::any_of(taken.begin(), taken.end(), [&](std::size_t j) {
-      const Candidate& d = sorted[j];
+      const Candidate& d = *sorted[j];
       return c.contact.partner == d.contact.partner && c.contact.shape == d.contact.shape &&
              (c.at - d.at).squaredNorm() < spacing * spacing && c.contact.normal.dot(d.contact.normal) > 0.7;
     });
@@ -38,26 +38,37 @@ std::vector<std::size_t> spread(const std::vector<Candidate>& sorted, double spa
 
 }  // namespace
 
-std::vector<TissueContact> reduce(std::vector<Candidate> found, const ContactOptions& options) {
-  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-    return a.contact.key != b.contact.key ? a.contact.key < b.contact.key : a.expected < b.expected;
+std::vector<TissueContact> reduce(const std::vector<Candidate>& found, const ContactOptions& options) {
+  // The deepest of each key; small records are sorted instead of whole contacts.
+  struct Rank {
+    std::uint64_t key;
+    double expected;
+    std::uint32_t index;
+  };
+  std::vector<Rank> ranks;
+  ranks.reserve(found.size());
+  for (std::uint32_t i = 0; i < found.size(); ++i) ranks.push_back({found[i].contact.key, found[i].expected, i});
+  std::sort(ranks.begin(), ranks.end(), [](const Rank& a, const Rank& b) {
+    if (a.key != b.key) return a.key < b.key;
+    return a.expected != b.expected ? a.expected < b.expected : a.index < b.index;
   });
-  found.erase(std::unique(found.begin(), found.end(),
-                          [](const Candidate& a, const Candidate& b) { return a.contact.key == b.contact.key; }),
-              found.end());
-  std::sort(found.begin(), found.end(), [](const Candidate& a, const Candidate& b) {
-    return a.expected != b.expected ? a.expected < b.expected : a.contact.key < b.contact.key;
+  const auto same_key = [](const Rank& a, const Rank& b) { return a.key == b.key; };
+  ranks.erase(std::unique(ranks.begin(), ranks.end(), same_key), ranks.end());
+  std::sort(ranks.begin(), ranks.end(), [](const Rank& a, const Rank& b) {
+    return a.expected != b.expected ? a.expected < b.expected : a.key < b.key;
   });
+  std::vector<const Candidate*> sorted;
+  for (const Rank& rank : ranks) sorted.push_back(&found[rank.index]);
   double spacing = options.spacing;
-  std::vector<std::size_t> taken = spread(found, spacing);
+  std::vector<std::size_t> taken = spread(sorted, spacing);
   for (int i = 0; i < 12 && taken.size() > options.max_contacts; ++i) {
     spacing *= 1.4;
-    taken = spread(found, spacing);
+    taken = spread(sorted, spacing);
   }
   if (taken.size() > options.max_contacts) taken.resize(options.max_contacts);
   std::vector<TissueContact> contacts;
   contacts.reserve(taken.size());
-  for (const std::size_t i : taken) contacts.push_back(found[i].contact);
+  for (const std::size_t i : taken) contacts.push_back(sorted[i]->contact);
   return contacts;
 }
 
@@ -78,7 +89,7 @@ std::vector<TissueContact> detect(ContactSurface& surface, std::span<const Vec3>
   detail::find_shape_contacts(surface, partners.shapes, options, found);
   detail::find_still_contacts(surface, partners.still, options, found);
   if (options.self_contact) detail::find_self_contacts(surface, options, found);
-  return detail::reduce(std::move(found), options);
+  return detail::reduce(found, options);
 }
 
 }  // namespace calot

@@ -18,7 +18,7 @@ void find_still_contacts(const ContactSurface& surface, std::span<const StillSur
 void find_self_contacts(const ContactSurface& surface, const ContactOptions& options, std::vector<Candidate>& found);
 
 /// One candidate of each key, then a spread-out subset.
-std::vector<TissueContact> reduce(std::vector<Candidate> found, const ContactOptions& options);
+std::vector<TissueContact> reduce(const std::vector<Candidate>& found, const ContactOptions& options);
 
 /// Names a pair of features; SplitMix64's mixing of all the parts [Steele2014].
 std::uint64_t key_of(std::initializer_list<std::uint64_t> parts);

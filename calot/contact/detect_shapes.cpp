@@ -55,6 +55,7 @@ class ShapeContacts {
       piece_ = i;
       const RoundedPiece& piece = moving_.shape->pieces[i];
       path_ = path_of(piece);
+      place_cores(piece);
       surface_.tree().each(swept_box(piece), [&](std::uint32_t triangle) { follow(piece, triangle); });
       find_inside(piece);
     }
@@ -71,19 +72,20 @@ class ShapeContacts {
 
   [[nodiscard]] Box swept_box(const RoundedPiece& piece) const {
     Box box;
-    for (const Pose& pose : poses_)
-      for (int c = 0; c < piece.corner_count; ++c) box.add(pose * piece.corners[c]);
+    for (const Corners& core : cores_)
+      for (const Vec3& corner : core) box.add(corner);
     // Between samples a corner leaves its chord by an eighth of (arc × angle).
     const double bulge = path_ * screw_.turn.norm() / (8.0 * samples_ * samples_);
     box.widen(piece.radius + 0.5 * options_.margin + bulge);
     return box;
   }
 
-  [[nodiscard]] Corners core_at(const RoundedPiece& piece, int k) const {
-    Corners core;
-    for (int c = 0; c < 3; ++c)
-      core[c] = c < piece.corner_count ? Vec3(poses_[k] * piece.corners[c]) : Vec3(Vec3::Zero());
-    return core;
+  /// Where the piece's corners are at every sample.
+  void place_cores(const RoundedPiece& piece) {
+    cores_.resize(poses_.size());
+    for (std::size_t k = 0; k < poses_.size(); ++k)
+      for (int c = 0; c < 3; ++c)
+        cores_[k][c] = c < piece.corner_count ? Vec3(poses_[k] * piece.corners[c]) : cores_[k][0];
   }
   [[nodiscard]] Vec3 tissue_at(VertexId v, int k) const {
     return surface_.positions()[v.index()] + (double(k) / samples_) * surface_.motion()[v.index()];
@@ -96,7 +98,7 @@ class ShapeContacts {
   /// A pair of a core and a triangle at one sample.
   struct Approach {
     int k = -1;
-    Corners core, corners;
+    Corners corners;
     Closest closest;
     Vec3 out = Vec3::Zero();
   };
@@ -108,20 +110,47 @@ class ShapeContacts {
     double speed = path_;
     for (const VertexId v : surface_.triangles()[triangle].vertices)
       speed = std::max(speed, path_ + surface_.motion()[v.index()].norm());
-    Approach best, now;
-    for (now.k = 0; now.k <= samples_;) {
-      now.core = core_at(piece, now.k);
-      now.corners = triangle_at(triangle, now.k);
-      now.closest = closest_points(now.core, piece.corner_count, now.corners);
-      const double excess = now.closest.distance - piece.radius - options_.margin;
-      if (excess <= 0 && (best.k < 0 || now.closest.distance < best.closest.distance) && now.closest.distance > 1e-9 &&
-          way_out(triangle, now.corners, now.closest.weights_b, now.closest.a - now.closest.b, now.k, now.out))
-        best = now;
+    Approach best;
+    const double near = piece.radius + options_.margin;
+    for (int k = 0; k <= samples_;) {
+      const Corners corners = triangle_at(triangle, k);
+      double excess = at_least_apart(cores_[k], corners) - near;
+      if (excess <= 0) excess = look(piece, triangle, k, corners, best) - near;
       if (best.k >= 0 && best.closest.distance <= piece.radius) break;
       const double safe = speed > 0 ? std::max(0.0, excess) / speed * samples_ : double(samples_);
-      now.k += std::max(1, static_cast<int>(std::min(safe, double(samples_ + 1))));
+      k += std::max(1, static_cast<int>(std::min(safe, double(samples_ + 1))));
     }
     if (best.k >= 0) touch(piece, triangle, best);
+  }
+
+  /// A lower bound of the distance, quickly: between spheres, and from the triangle's plane.
+  [[nodiscard]] static double at_least_apart(const Corners& core, const Corners& corners) {
+    const Vec3 middle_a = (core[0] + core[1] + core[2]) / 3, middle_b = (corners[0] + corners[1] + corners[2]) / 3;
+    double radius_a = 0, radius_b = 0;
+    for (int c = 0; c < 3; ++c) {
+      radius_a = std::max(radius_a, (core[c] - middle_a).squaredNorm());
+      radius_b = std::max(radius_b, (corners[c] - middle_b).squaredNorm());
+    }
+    const double spheres = (middle_a - middle_b).norm() - std::sqrt(radius_a) - std::sqrt(radius_b);
+    const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Vec3& corner : core) {
+      const double height = normal.dot(corner - corners[0]);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
+    return std::max({spheres, low, -high});
+  }
+
+  /// Measures a pair and keeps it in `best` if it is the closest so far that counts. @return its distance
+  double look(const RoundedPiece& piece, std::uint32_t triangle, int k, const Corners& corners, Approach& best) const {
+    const Closest closest = closest_points(cores_[k], piece.corner_count, corners);
+    Vec3 out;
+    if (closest.distance <= piece.radius + options_.margin &&
+        (best.k < 0 || closest.distance < best.closest.distance) && closest.distance > 1e-9 &&
+        way_out(triangle, corners, closest.weights_b, closest.a - closest.b, k, out))
+      best = {k, corners, closest, out};
+    return closest.distance;
   }
 
   /// The closest pair, and what else spreads over the triangle.
@@ -130,15 +159,16 @@ class ShapeContacts {
     add(piece, triangle, at.closest.weights_a, at.closest.weights_b, at.out, at.k, touches);
     if (piece.corner_count == 1) return;
     const auto near = [&](const Vec3& weights_a, const Vec3& weights_b) {
-      const Vec3 apart = weighted(at.core, weights_a) - weighted(at.corners, weights_b);
+      const Vec3 apart = weighted(cores_[at.k], weights_a) - weighted(at.corners, weights_b);
       Vec3 out;
       if (apart.norm() < piece.radius + options_.margin && apart.norm() > 1e-9 &&
           way_out(triangle, at.corners, weights_b, apart, at.k, out))
         add(piece, triangle, weights_a, weights_b, out, at.k, touches);
     };
     for (int c = 0; c < piece.corner_count; ++c)
-      near(Vec3::Unit(c), closest_on_triangle(at.core[c], at.corners[0], at.corners[1], at.corners[2]));
-    for (int c = 0; c < 3; ++c) near(closest_on_simplex(at.corners[c], at.core, piece.corner_count), Vec3::Unit(c));
+      near(Vec3::Unit(c), closest_on_triangle(cores_[at.k][c], at.corners[0], at.corners[1], at.corners[2]));
+    for (int c = 0; c < 3; ++c)
+      near(closest_on_simplex(at.corners[c], cores_[at.k], piece.corner_count), Vec3::Unit(c));
   }
 
   /// The direction away from the tissue at a point of its surface, towards `apart`. On an edge or a vertex it is bent
@@ -227,7 +257,7 @@ class ShapeContacts {
 
   /// Points of a core that are inside tissue at the step's start: out through the nearest surface.
   void find_inside(const RoundedPiece& piece) {
-    const Corners core = core_at(piece, 0);
+    const Corners& core = cores_[0];
     int between = 1;
     for (int c = 1; c < piece.corner_count; ++c)
       between = std::max(between, static_cast<int>(std::ceil((core[c] - core[c - 1]).norm() / (2 * piece.radius))));
@@ -268,7 +298,8 @@ class ShapeContacts {
   const ContactOptions& options_;
   std::vector<Candidate>& found_;
   Screw screw_;
-  std::vector<Pose> poses_;  // samples_ + 1, from start to end
+  std::vector<Pose> poses_;     // samples_ + 1, from start to end
+  std::vector<Corners> cores_;  // the same, of the present piece
   int samples_ = 1;
   double longest_ = 0, path_ = 0;
   mutable std::vector<Vec3> ways_;  // kept for its memory

@@ -42,18 +42,29 @@ std::uint64_t edge_name(const Side& side, int e) {
 class Meeting {
  public:
   Meeting(const Side& a, const Side& b, double deepest, double margin)
-      : a_(a), b_(b), deepest_(deepest), margin_(margin), between_((b.normal - a.normal).normalized()) {}
+      : a_(a), b_(b), deepest_(deepest), margin_(margin), between_((b.normal - a.normal).normalized()) {
+    double motion = 0;
+    for (int c = 0; c < 3; ++c) motion = std::max({motion, a.motion[c].norm(), b.motion[c].norm()});
+    reach_ = (1 + sideways) * std::max(margin + 2 * motion, deepest);
+  }
 
   /// Calls visit(weights of a, weights of b, normal from b to a, gap, expected gap, name of the features).
   template <class Visit>
   void each(const Visit& visit) const {
+    bool met = false;
     for (int c = 0; c < 3; ++c) {
-      const Vec3 on_b = closest_on_triangle(a_.corners[c], b_.corners[0], b_.corners[1], b_.corners[2]);
-      offer(Vec3::Unit(c), on_b, is_inside(on_b) ? b_.normal : between_, a_.ids[c], visit);
-      const Vec3 on_a = closest_on_triangle(b_.corners[c], a_.corners[0], a_.corners[1], a_.corners[2]);
-      offer(on_a, Vec3::Unit(c), is_inside(on_a) ? Vec3(-a_.normal) : between_, b_.ids[c], visit);
+      // A corner further from the other's plane than anything that counts needs no closer look.
+      if (std::abs(b_.normal.dot(a_.corners[c] - b_.corners[0])) < reach_) {
+        const Vec3 on_b = closest_on_triangle(a_.corners[c], b_.corners[0], b_.corners[1], b_.corners[2]);
+        met |= offer(Vec3::Unit(c), on_b, is_inside(on_b) ? b_.normal : between_, a_.ids[c], visit);
+      }
+      if (std::abs(a_.normal.dot(b_.corners[c] - a_.corners[0])) < reach_) {
+        const Vec3 on_a = closest_on_triangle(b_.corners[c], a_.corners[0], a_.corners[1], a_.corners[2]);
+        met |= offer(on_a, Vec3::Unit(c), is_inside(on_a) ? Vec3(-a_.normal) : between_, b_.ids[c], visit);
+      }
     }
-    for (int e = 0; e < 3; ++e)
+    // Edges that cross matter where no corner lies over the other triangle, as between two thin ducts.
+    for (int e = 0; e < 3 && !met; ++e)
       for (int f = 0; f < 3; ++f) edges(e, f, visit);
   }
 
@@ -80,17 +91,19 @@ class Meeting {
   }
 
   template <class Visit>
-  void offer(const Vec3& weights_a, const Vec3& weights_b, const Vec3& normal, std::uint64_t name,
+  bool offer(const Vec3& weights_a, const Vec3& weights_b, const Vec3& normal, std::uint64_t name,
              const Visit& visit) const {
     const Vec3 apart = weighted(a_.corners, weights_a) - weighted(b_.corners, weights_b);
     const double gap = normal.dot(apart);
-    if (gap < -deepest_ || (apart - gap * normal).norm() > sideways * std::abs(gap) + 1e-6) return;
+    if (gap < -deepest_ || (apart - gap * normal).norm() > sideways * std::abs(gap) + 1e-6) return false;
     const double expected = gap + normal.dot(weighted(a_.motion, weights_a) - weighted(b_.motion, weights_b));
-    if (expected <= margin_) visit(weights_a, weights_b, normal, gap, expected, name);
+    if (expected > margin_) return false;
+    visit(weights_a, weights_b, normal, gap, expected, name);
+    return true;
   }
 
   const Side &a_, &b_;
-  double deepest_, margin_;
+  double deepest_, margin_, reach_ = 0;
   Vec3 between_;
 };
 
@@ -133,7 +146,8 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
     if (surface.normals()[i].dot(surface.normals()[j]) >= opposed) return;
     if (i > j) std::swap(i, j);
     const Side a = tissue_side(surface, i), b = tissue_side(surface, j);
-    if (share_a_vertex(a, b) || back_to_back_at_rest(surface, i, j)) return;
+    if (share_a_vertex(a, b)) return;
+    const std::size_t before = found.size();
     const ContactTriangle &triangle = surface.triangles()[i], &other = surface.triangles()[j];
     Meeting(a, b, options.deepest_overlap, options.margin)
         .each([&](const Vec3& weights_a, const Vec3& weights_b, const Vec3& normal, double gap, double expected,
@@ -152,6 +166,7 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
           candidate.at = weighted(a.corners, weights_a);
           found.push_back(candidate);
         });
+    if (found.size() > before && back_to_back_at_rest(surface, i, j)) found.resize(before);
   });
 }
 
