@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -9,6 +10,7 @@
 
 #include "calot/base/error.h"
 #include "calot/cut/separate.h"
+#include "calot/mesh/surface.h"
 #include "tests/support/meshes.h"
 
 namespace calot {
@@ -315,6 +317,60 @@ TEST(Fluids, InjuriesJoinMoveOnAndAreSuckedUp) {
   std::fill(tube.coagulation.begin(), tube.coagulation.end(), 1.0);
   tube.step();
   EXPECT_EQ(tube.fluids.totals().blood_rate, 0);
+}
+
+/// Splits every tet around the edge between two vertices.
+TopologyEdit split_edge(const TetMesh& mesh, VertexId a, VertexId b, double weight) {
+  TopologyEdit edit;
+  edit.vertices.push_back({(1 - weight) * mesh.position(a) + weight * mesh.position(b), a, b, weight});
+  const VertexId middle(mesh.vertex_count());
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    const Tet& tet = mesh.tets[t];
+    if (std::count(tet.begin(), tet.end(), a) + std::count(tet.begin(), tet.end(), b) != 2) continue;
+    edit.removed.emplace_back(t);
+    for (const VertexId end : {a, b}) {
+      Tet piece = tet;
+      std::replace(piece.begin(), piece.end(), end, middle);
+      edit.tets.push_back({piece, TetId(t)});
+    }
+  }
+  return edit;
+}
+
+TEST(Fluids, RawAreaIsAllTheBoundaryThatWasNotThereAtFirstAfterAnyEdits) {
+  test::Random random(11);
+  for (int round = 0; round < 12; ++round) {
+    Tube tube("liver");
+    for (int step = 0; step < 12; ++step) {
+      const std::size_t kind = random.below(3);
+      if (kind == 0) {
+        TopologyEdit edit;
+        edit.removed = test::random_tets(tube.mesh, 3, random.next());
+        tube.edit(edit);
+      } else if (kind == 1) {
+        const Tet& tet = tube.mesh.tets[random.below(tube.mesh.tet_count())];
+        tube.edit(split_edge(tube.mesh, tet[0], tet[1 + random.below(3)], random.between(0.2, 0.8)));
+      } else {
+        const double x = 0.002 * static_cast<double>(1 + random.below(19));
+        tube.slit(x, random.unit() < 0.5 ? 0.001 : 0.002);
+      }
+      tube.step();
+    }
+    double expected = 0;
+    const Surface surface = boundary_surface(tube.mesh);
+    for (const Triangle& t : surface.triangles) {
+      const Vec3 &a = surface.positions[t[0]], &b = surface.positions[t[1]], &c = surface.positions[t[2]];
+      const auto on = [&](int axis, double at) {
+        return std::max({std::abs(a[axis] - at), std::abs(b[axis] - at), std::abs(c[axis] - at)}) < 1e-9;
+      };
+      if (on(0, 0) || on(0, 0.04) || on(1, 0) || on(1, 0.002) || on(2, 0) || on(2, 0.002)) continue;
+      expected += 0.5 * (b - a).cross(c - a).norm();
+    }
+    double raw = 0;
+    for (const FluidSource& source : tube.open(FluidSourceKind::ooze)) raw += source.open_area;
+    EXPECT_NEAR(raw, expected, 1e-9 * expected + 1e-15) << round;
+    EXPECT_GT(expected, 0);
+  }
 }
 
 TEST(Fluids, SuppliesAreTheFixedEndsOrTheFarOnes) {

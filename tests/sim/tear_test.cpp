@@ -189,6 +189,33 @@ TEST(Tearing, FollowsAnEditAndCopies) {
   EXPECT_EQ(a, b);
 }
 
+TEST(Tearing, MeasuresAfterEditsWhatOneMadeAnewMeasures) {
+  TetMesh mesh = test::bar_mesh(12);
+  const std::map<std::int32_t, TissueProperties> tissues{{1, bears(1.3)}, {2, bears(1.6)}};
+  Tearing tearing(mesh, tissues);
+  test::Random random(3);
+  for (int round = 0; round < 20; ++round) {
+    TopologyEdit edit;
+    if (round % 2 == 0) {
+      edit.removed = test::random_tets(mesh, 4, random.next());
+    } else {
+      std::vector<std::array<VertexId, 3>> faces;
+      for (const Tet& tet : mesh.tets)
+        if (random.unit() < 0.3) faces.push_back({tet[0], tet[1], tet[2]});
+      edit = separate(mesh, vertex_tets(mesh), faces);
+    }
+    tearing.follow(apply(mesh, edit), mesh);
+    std::vector<Vec3> now = mesh.positions;
+    for (Vec3& x : now) x += 0.002 * Vec3(random.unit(), random.unit(), random.unit());
+    Tearing anew(mesh, tissues);
+    const VertexTets around = vertex_tets(mesh);
+    const TearStep &one = tearing.step(mesh, around, now), &two = anew.step(mesh, around, now);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+      ASSERT_EQ(tearing.stretch(TetId(t)), anew.stretch(TetId(t))) << t;
+    EXPECT_EQ(one.inverted, two.inverted);
+  }
+}
+
 TEST(Tearing, RefusesBadFigures) {
   const TetMesh mesh = test::bar_mesh(4);
   EXPECT_THROW(Tearing(mesh, {{1, bears(1.3)}}), InputError);
