@@ -247,30 +247,33 @@ void TissueHeat::multiply(const TetMesh& mesh, double dt, const std::vector<doub
   }
 }
 
-/// Conjugate gradients with the diagonal as preconditioner, for the change from the state before. The state is then
-/// advanced with the flows at the solution, so that energy is kept to rounding whatever the solver leaves.
-void TissueHeat::conduct(const TetMesh& mesh, double dt) {
-  std::vector<double>&x = solution_, &r = residual_, &p = direction_, &q = product_, &inverse = inverse_;
+/// What leaves each active vertex by itself, and the inverse of the system's diagonal.
+void TissueHeat::prepare(const TetMesh& mesh, double dt) {
+  for (const std::uint32_t v : active_vertices_) {  // perfusion ends where tissue is coagulated
+    diagonal_[v] = vertices_[v].perfusion * (1 - coagulated_[v]) + vertices_[v].exchange;
+    inverse_[v] = vertices_[v].capacity / dt + diagonal_[v];
+  }
+  for (const std::uint32_t t : active_tets_)
+    for (std::size_t k = 0; k < 6; ++k)
+      for (const std::size_t end : edges[k]) inverse_[mesh.tets[t][end].index()] += elements_[t].exchange[k];
+  for (const std::uint32_t v : active_vertices_) inverse_[v] = 1 / inverse_[v];
+}
+
+/// Conjugate gradients with the diagonal as preconditioner, from the state before.
+void TissueHeat::solve(const TetMesh& mesh, double dt) {
+  std::vector<double>&x = solution_, &r = residual_, &p = direction_, &q = product_;
   const auto over = [&](const auto& body) {
     for (const std::uint32_t v : active_vertices_) body(v);
   };
-  over([&](std::uint32_t v) {  // perfusion ends where tissue is coagulated
-    diagonal_[v] = vertices_[v].perfusion * (1 - coagulated_[v]) + vertices_[v].exchange;
-    inverse[v] = vertices_[v].capacity / dt + diagonal_[v];
-  });
-  for (const std::uint32_t t : active_tets_)
-    for (std::size_t k = 0; k < 6; ++k)
-      for (const std::size_t end : edges[k]) inverse[mesh.tets[t][end].index()] += elements_[t].exchange[k];
   multiply(mesh, dt, excess_, q);
   double scale = 0, rho = 0;
   over([&](std::uint32_t v) {
     const double right = vertices_[v].capacity / dt * excess_[v] + heating_[v];
-    inverse[v] = 1 / inverse[v];
     r[v] = right - q[v];
-    p[v] = inverse[v] * r[v];
+    p[v] = inverse_[v] * r[v];
     x[v] = excess_[v];
     rho += r[v] * p[v];
-    scale += right * inverse[v] * right;
+    scale += right * inverse_[v] * right;
   });
   const double goal = tolerance * tolerance * scale;
   for (report_.iterations = 0; rho > goal && report_.iterations < iteration_limit; ++report_.iterations) {
@@ -282,23 +285,29 @@ void TissueHeat::conduct(const TetMesh& mesh, double dt) {
     over([&](std::uint32_t v) {
       x[v] += alpha * p[v];
       r[v] -= alpha * q[v];
-      next += r[v] * inverse[v] * r[v];
+      next += r[v] * inverse_[v] * r[v];
     });
     const double beta = next / rho;
     rho = next;
-    over([&](std::uint32_t v) { p[v] = inverse[v] * r[v] + beta * p[v]; });
+    over([&](std::uint32_t v) { p[v] = inverse_[v] * r[v] + beta * p[v]; });
   }
   report_.residual = scale > 0 ? std::sqrt(rho / scale) : 0;
-  multiply(mesh, dt, x, q);
-  over([&](std::uint32_t v) {
+}
+
+/// Advances the state with the flows at the solution, so that energy is kept to rounding whatever the solver leaves.
+void TissueHeat::conduct(const TetMesh& mesh, double dt) {
+  prepare(mesh, dt);
+  solve(mesh, dt);
+  multiply(mesh, dt, solution_, product_);
+  for (const std::uint32_t v : active_vertices_) {
     const Vertex& vertex = vertices_[v];
-    const double perfused = vertex.perfusion * (1 - coagulated_[v]) * x[v] * dt,
-                 exchanged = vertex.exchange * x[v] * dt;
-    const double flow = q[v] - (vertex.capacity / dt + diagonal_[v]) * x[v];
+    const double now = solution_[v];
+    const double perfused = vertex.perfusion * (1 - coagulated_[v]) * now * dt, exchanged = vertex.exchange * now * dt;
+    const double flow = product_[v] - (vertex.capacity / dt + diagonal_[v]) * now;
     ledger_.perfused += perfused;
     ledger_.exchanged += exchanged;
     excess_[v] += (dt * (heating_[v] - flow) - perfused - exchanged) / vertex.capacity;
-  });
+  }
 }
 
 /// Heat above the boiling point dries the tets around; only where these are dry does the temperature rise further.

@@ -106,6 +106,8 @@ class TissueHeat {
   void activate(const TetMesh& mesh, VertexId v);
   void settle_active(const TetMesh& mesh);
   void multiply(const TetMesh& mesh, double dt, const std::vector<double>& x, std::vector<double>& y) const;
+  void prepare(const TetMesh& mesh, double dt);
+  void solve(const TetMesh& mesh, double dt);
   void conduct(const TetMesh& mesh, double dt);
   void boil(const TetMesh& mesh);
   void harm(const TetMesh& mesh, double dt);
