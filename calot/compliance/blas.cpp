@@ -68,6 +68,20 @@ void trsm(char side, char op, std::size_t m, std::size_t n, double alpha, const 
               as_int(n), alpha, l, as_int(ldl), b, as_int(ldb));
 }
 
+void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, float alpha, const float* a,
+          std::size_t lda, const float* b, std::size_t ldb, float beta, float* c, std::size_t ldc) {
+  if (m == 0 || n == 0) return;
+  cblas_sgemm(CblasColMajor, transpose(op_a), transpose(op_b), as_int(m), as_int(n), as_int(k), alpha, a, as_int(lda),
+              b, as_int(ldb), beta, c, as_int(ldc));
+}
+
+void trsm(char side, char op, std::size_t m, std::size_t n, float alpha, const float* l, std::size_t ldl, float* b,
+          std::size_t ldb) {
+  if (m == 0 || n == 0) return;
+  cblas_strsm(CblasColMajor, side == 'L' ? CblasLeft : CblasRight, CblasLower, transpose(op), CblasNonUnit, as_int(m),
+              as_int(n), alpha, l, as_int(ldl), b, as_int(ldb));
+}
+
 void trsv(char op, std::size_t n, const double* l, std::size_t ldl, double* x) {
   if (n == 0) return;
   cblas_dtrsv(CblasColMajor, CblasLower, transpose(op), CblasNonUnit, as_int(n), l, as_int(ldl), x, 1);
@@ -76,6 +90,11 @@ void trsv(char op, std::size_t n, const double* l, std::size_t ldl, double* x) {
 void gemv(char op, std::size_t m, std::size_t n, const double* a, std::size_t lda, const double* x, double* y) {
   if (m == 0 || n == 0) return;
   cblas_dgemv(CblasColMajor, transpose(op), as_int(m), as_int(n), 1, a, as_int(lda), x, 1, 0, y, 1);
+}
+
+void gemv(char op, std::size_t m, std::size_t n, const float* a, std::size_t lda, const float* x, float* y) {
+  if (m == 0 || n == 0) return;
+  cblas_sgemv(CblasColMajor, transpose(op), as_int(m), as_int(n), 1, a, as_int(lda), x, 1, 0, y, 1);
 }
 
 int potrf(std::size_t n, double* a, std::size_t lda) {

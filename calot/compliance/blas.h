@@ -22,10 +22,16 @@ void syrk(char op, std::size_t n, std::size_t k, double alpha, const double* a, 
 /// B ← alpha·op(L)⁻¹ B (side 'L') or alpha·B op(L)⁻¹ (side 'R'); L lower triangular, B m×n.
 void trsm(char side, char op, std::size_t m, std::size_t n, double alpha, const double* l, std::size_t ldl, double* b,
           std::size_t ldb);
+/// The same two in single precision.
+void gemm(char op_a, char op_b, std::size_t m, std::size_t n, std::size_t k, float alpha, const float* a,
+          std::size_t lda, const float* b, std::size_t ldb, float beta, float* c, std::size_t ldc);
+void trsm(char side, char op, std::size_t m, std::size_t n, float alpha, const float* l, std::size_t ldl, float* b,
+          std::size_t ldb);
 /// x ← op(L)⁻¹ x for one vector.
 void trsv(char op, std::size_t n, const double* l, std::size_t ldl, double* x);
 /// y ← op(A) x; A m×n.
 void gemv(char op, std::size_t m, std::size_t n, const double* a, std::size_t lda, const double* x, double* y);
+void gemv(char op, std::size_t m, std::size_t n, const float* a, std::size_t lda, const float* x, float* y);
 /// Cholesky of the lower triangle in place. @return 0, or the 1-based column whose pivot is not positive.
 int potrf(std::size_t n, double* a, std::size_t lda);
 /// L ← L⁻¹ in place, lower triangular.

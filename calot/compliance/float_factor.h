@@ -23,16 +23,12 @@ class FloatFactor {
   void forward(float* x, std::vector<float>& work) const;
   void backward(float* x, std::vector<float>& work) const;
 
-  /// Sixteen right-hand sides at once, x[16·row + lane] ← L⁻¹ x. Only supernodes on the paths of those in `starts` (any
-  /// order) to the roots are entered: every non-zero of x must belong to one of them. `path` gets those supernodes,
-  /// ascending; rows of x elsewhere are left as they are.
-  static constexpr std::size_t lanes = 16;
-  void forward_many(float* x, std::span<const std::uint32_t> starts, std::vector<std::uint32_t>& path,
-                    std::vector<float>& work) const;
+  [[nodiscard]] const float* panel(std::size_t s) const { return values_.data() + pattern_->panel_start[s]; }
 
  private:
   std::shared_ptr<const FactorPattern> pattern_;
-  std::vector<float> values_;  // panels as in SparseFactor, the diagonal inverted
+  std::vector<float> values_;    // panels as in SparseFactor
+  std::vector<float> inverted_;  // 1 / diagonal, in the order of the factor
 };
 
 }  // namespace calot

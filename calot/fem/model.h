@@ -67,6 +67,12 @@ class Model {
   [[nodiscard]] const TetMesh& mesh() const { return mesh_; }
   [[nodiscard]] const std::map<std::int32_t, Material>& materials() const { return materials_; }
   [[nodiscard]] const Material& material(TetId tet) const { return materials_.at(mesh_.regions[tet.index()]); }
+  /// Lamé's parameters of a tet, its own factor included [Pa].
+  [[nodiscard]] Lame lame_of(TetId tet) const {
+    const Lame plain = lame(material(tet));
+    const double factor = stiffness_scale_[tet.index()];
+    return {factor * plain.lambda, factor * plain.mu};
+  }
   [[nodiscard]] const std::vector<std::uint8_t>& fixed() const { return fixed_; }
   [[nodiscard]] bool is_fixed(VertexId v) const { return fixed_[v.index()] != 0; }
   [[nodiscard]] const Dynamics& dynamics() const { return dynamics_; }

@@ -187,7 +187,7 @@ void Corotational::rebuild(const Model& model) {
         const Tet& tet = mesh.tets[t];
         const TetShape shape =
             tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
-        const Lame lame = calot::lame(model.material(TetId(t)));
+        const Lame lame = model.lame_of(TetId(t));
         for (std::size_t a = 0; a < 4; ++a) block.vertex[a][l] = tet[a].value;
         for (std::size_t a = 0; a < 3; ++a)
           for (std::size_t i = 0; i < 3; ++i)

@@ -21,7 +21,7 @@ Mat12 step_stiffness_of(const Model& model, TetId t) {
   const Tet& tet = mesh.tet(t);
   const TetShape shape =
       tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
-  Mat12 stiffness_of_step = model.dynamics().stiffness_factor() * stiffness(shape, lame(model.material(t)));
+  Mat12 stiffness_of_step = model.dynamics().stiffness_factor() * stiffness(shape, model.lame_of(t));
   stiffness_of_step.diagonal().array() += model.dynamics().mass_factor() * model.material(t).density * shape.volume / 4;
   return stiffness_of_step;
 }

@@ -22,8 +22,9 @@ void Motion::follow(const Model& model) {
   dynamics_ = model.dynamics();
   masses_ = model.vertex_masses();
   fixed_ = model.fixed();
-  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_}) v->assign(masses_.size(), Vec3::Zero());
+  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_}) v->assign(masses_.size(), Vec3::Zero());
   tissue_ = nullptr;
+  elastic_is_fresh_ = false;
 }
 
 void Motion::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
@@ -59,7 +60,9 @@ void Motion::begin(const Corotational& tissue, const TissueState& state, const V
   springs_ = springs;
   gravity_ = gravity;
   external_.assign(external.begin(), external.end());
-  tissue.force(state.positions, b_);
+  if (!elastic_is_fresh_) tissue.force(state.positions, elastic_);
+  elastic_is_fresh_ = false;
+  b_ = elastic_;
   const double h = dynamics_.time_step;
   for (std::size_t v = 0; v < b_.size(); ++v) {
     b_[v] += masses_[v] * (state.velocities[v] / h + gravity);
@@ -120,33 +123,28 @@ SolverReport Motion::add_response(std::span<const Vec3> f, std::span<const Vec3>
   return report;
 }
 
-double Motion::nonlinear_residual(const Corotational& tissue, const TissueState& before, std::span<const Vec3> d,
-                                  std::span<const Vec3> contact) const {
+double Motion::finish(const TissueState& before, const TissueState& after, std::span<const Vec3> contact) {
   const double h = dynamics_.time_step;
-  std::vector<Vec3> after(before.positions), velocity(d.size()), elastic(d.size()), damping(d.size());
-  for (std::size_t v = 0; v < after.size(); ++v) {
-    after[v] += d[v];
-    velocity[v] = d[v] / h;
-  }
-  Corotational turned = tissue;
-  turned.update_rotations(after);
-  turned.force(after, elastic);
-  turned.multiply(velocity, damping);
-  std::vector<Vec3> missing(d.size());
+  tissue_->force(after.positions, elastic_);
+  elastic_is_fresh_ = true;
+  tissue_->multiply(after.velocities, q_);
+  std::vector<Vec3>& missing = r_;
   for (std::size_t v = 0; v < missing.size(); ++v) {
-    missing[v] = masses_[v] * ((velocity[v] - before.velocities[v]) / h - gravity_ + dynamics_.rayleigh_mass * velocity[v]) -
-                 elastic[v] + dynamics_.rayleigh_stiffness * damping[v];
+    const Vec3& velocity = after.velocities[v];
+    missing[v] =
+        masses_[v] * ((velocity - before.velocities[v]) / h - gravity_ + dynamics_.rayleigh_mass * velocity) -
+        elastic_[v] + dynamics_.rayleigh_stiffness * q_[v];
     if (!external_.empty()) missing[v] -= external_[v];
     if (!contact.empty()) missing[v] -= contact[v];
   }
   for (const Spring& spring : springs_) {
     const std::size_t a = spring.vertex.index();
-    Vec3 target = spring.anchor, speed = spring.velocity - velocity[a];
+    Vec3 target = spring.anchor, speed = spring.velocity - after.velocities[a];
     if (spring.other.valid()) {
-      target += after[spring.other.index()];
-      speed += velocity[spring.other.index()];
+      target += after.positions[spring.other.index()];
+      speed += after.velocities[spring.other.index()];
     }
-    const Vec3 pull = spring.stiffness * (target - after[a] + spring.damping * speed);
+    const Vec3 pull = spring.stiffness * (target - after.positions[a] + spring.damping * speed);
     missing[a] -= pull;
     if (spring.other.valid()) missing[spring.other.index()] += pull;
   }

@@ -46,10 +46,10 @@ class Motion {
   /// y = Â x; zero on fixed vertices.
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
-  /// ‖M (v' − v)/h − all forces at the end of the step‖ / ‖b‖ with rotations and elastic forces taken anew at the new
-  /// positions: how far the linear step is from the true corotational one. `contact` are the contact forces, n or empty.
-  double nonlinear_residual(const Corotational& tissue, const TissueState& before, std::span<const Vec3> d,
-                            std::span<const Vec3> contact) const;
+  /// Ends the begun step, whose displacements were d, once `tissue` (the same object) has been turned for the new
+  /// positions. @return how far the linear step is from the true corotational one: ‖M (v' − v)/h − all forces at the end
+  /// of the step, rotations and elastic forces taken anew‖ / ‖b‖. `contact`: contact forces [N], n or empty.
+  double finish(const TissueState& before, const TissueState& after, std::span<const Vec3> contact);
 
   [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
   [[nodiscard]] std::span<const Vec3> right_side() const { return b_; }
@@ -67,6 +67,8 @@ class Motion {
   std::span<const Spring> springs_;
   Vec3 gravity_ = Vec3::Zero();
   std::vector<Vec3> external_;
+  std::vector<Vec3> elastic_;  // force at the positions where the last step ended
+  bool elastic_is_fresh_ = false;
   std::vector<Vec3> b_, r_, z_, p_, q_, response_;
 };
 

@@ -1,71 +1,96 @@
 #include <algorithm>
 
-#include "calot/compliance/blas.h"
+#include "calot/compliance/path_solve.h"
 #include "calot/sim/warped_compliance.h"
 
 namespace calot {
 namespace {
 
 using Index = Eigen::Index;
-
-// Room for at least `rows` × `columns`, what was there kept, new entries zero.
-template <class Matrix>
-void grow(Matrix& matrix, Index rows, Index columns) {
-  if (rows <= matrix.rows() && columns <= matrix.cols()) return;
-  Matrix grown = Matrix::Zero(std::max(rows, matrix.rows() + matrix.rows() / 2),
-                              std::max(columns, matrix.cols() + matrix.cols() / 2));
-  grown.topLeftCorner(matrix.rows(), matrix.cols()) = matrix;
-  matrix = std::move(grown);
+std::size_t size(Index i) {
+  return static_cast<std::size_t>(i);
 }
 
 }  // namespace
 
+// Rows are only ever appended, so an older chunk's columns are zero in all rows beyond its own.
 void ReadyColumns::add(const SparseFactor& factor, std::span<const std::uint32_t> first_rows) {
   const std::size_t n = factor.size();
   if (place_of_row_.empty()) {
     place_of_row_.assign(n, -1);
     column_of_row_.assign(n, -1);
   }
-  std::vector<std::uint32_t> fresh;
+  std::vector<std::uint32_t> fresh, positions;
   for (const std::uint32_t row : first_rows)
     if (column_of_row_[row] < 0) {
       column_of_row_[row] = static_cast<std::int32_t>(count_ + 3 * static_cast<Index>(fresh.size()));
       fresh.push_back(row);
+      positions.push_back(row / 3);
     }
   if (fresh.empty()) return;
-  const std::size_t columns = 3 * fresh.size();
-  std::vector<double> x(n * columns, 0.0);
-  for (std::size_t k = 0; k < columns; ++k) x[n * k + fresh[k / 3] + k % 3] = 1;
-  factor.solve_forward(x.data(), columns);
-  const FactorPattern& pattern = factor.pattern();
-  std::vector<std::uint8_t> on_path(pattern.supernodes(), 0);
-  for (const std::uint32_t row : fresh)
-    for (auto s = static_cast<std::int32_t>(pattern.super_of[row / 3]); s >= 0 && !on_path[static_cast<std::size_t>(s)];
-         s = pattern.parent[static_cast<std::size_t>(s)])
-      on_path[static_cast<std::size_t>(s)] = 1;
-  for (std::size_t s = 0; s < on_path.size(); ++s)
-    for (std::uint32_t row = 3 * pattern.super_start[s]; on_path[s] && row < 3 * pattern.super_start[s + 1]; ++row)
+  const std::vector<std::uint32_t> path = detail::elimination_path(factor.pattern(), positions);
+  for (const std::uint32_t s : path)
+    for (std::uint32_t row = 3 * factor.pattern().super_start[s]; row < 3 * factor.pattern().super_start[s + 1]; ++row)
       if (place_of_row_[row] < 0) {
         place_of_row_[row] = static_cast<std::int32_t>(rows_.size());
         rows_.push_back(row);
       }
-  const auto rows = static_cast<Index>(rows_.size()), all = count_ + static_cast<Index>(columns);
-  grow(packed_, rows, all);
-  for (Index k = count_; k < all; ++k) {
-    const double* from = x.data() + n * static_cast<std::size_t>(k - count_);
-    for (Index i = 0; i < rows; ++i) packed_(i, k) = from[rows_[static_cast<std::size_t>(i)]];
+  Chunk chunk{count_, solve(factor, fresh, path)};
+  extend_compliance(chunk);
+  chunks_.push_back(std::move(chunk));
+}
+
+Eigen::MatrixXd ReadyColumns::solve(const SparseFactor& factor, std::span<const std::uint32_t> fresh,
+                                    std::span<const std::uint32_t> path) {
+  const std::size_t n = factor.size(), columns = 3 * fresh.size();
+  if (solved_.size() < n * columns) solved_.resize(n * columns);
+  for (std::size_t k = 0; k < columns; ++k)
+    for (const std::uint32_t s : path) {
+      const std::size_t first = 3 * std::size_t{factor.pattern().super_start[s]};
+      std::fill_n(solved_.begin() + static_cast<std::ptrdiff_t>(n * k + first), 3 * factor.pattern().own(s), 0.0);
+    }
+  for (std::size_t k = 0; k < columns; ++k) solved_[n * k + fresh[k / 3] + k % 3] = 1;
+  detail::forward_on_path(factor, path, solved_.data(), n, columns, work_);
+  Eigen::MatrixXd packed = Eigen::MatrixXd::Zero(static_cast<Index>(rows_.size()), static_cast<Index>(columns));
+  for (std::size_t k = 0; k < columns; ++k)
+    for (const std::uint32_t s : path)
+      for (std::uint32_t row = 3 * factor.pattern().super_start[s]; row < 3 * factor.pattern().super_start[s + 1];
+           ++row)
+        packed(place_of_row_[row], static_cast<Index>(k)) = solved_[n * k + row];
+  return packed;
+}
+
+void ReadyColumns::extend_compliance(const Chunk& fresh) {
+  const Index before = count_, width = fresh.columns.cols();
+  count_ += width;
+  if (gram_.rows() < count_) {
+    Eigen::MatrixXd grown = Eigen::MatrixXd::Zero(count_ + count_ / 2, count_ + count_ / 2);
+    grown.topLeftCorner(before, before) = gram_.topLeftCorner(before, before);
+    gram_ = std::move(grown);
   }
-  grow(single_, packed_.rows(), packed_.cols());
-  single_.block(0, count_, packed_.rows(), all - count_) =
-      packed_.block(0, count_, packed_.rows(), all - count_).cast<float>();
-  grow(gram_, all, all);
-  Eigen::MatrixXd fresh_gram(all, all - count_);
-  const auto size = [](Index i) { return static_cast<std::size_t>(i); };
-  blas::gemm('T', 'N', size(all), columns, size(rows), 1, packed_.data(), size(packed_.rows()),
-             packed_.data() + count_ * packed_.rows(), size(packed_.rows()), 0, fresh_gram.data(), size(all));
-  gram_.block(0, count_, all, all - count_) = fresh_gram;
-  gram_.block(count_, 0, all - count_, all) = fresh_gram.transpose();
-  count_ = all;
+  const auto product = [&](const Chunk& a) {
+    Eigen::MatrixXd part(a.columns.cols(), width);
+    const Index rows = std::min(a.columns.rows(), fresh.columns.rows());
+    blas::gemm('T', 'N', size(part.rows()), size(width), size(rows), 1.0, a.columns.data(), size(a.columns.rows()),
+               fresh.columns.data(), size(fresh.columns.rows()), 0.0, part.data(), size(part.rows()));
+    return part;
+  };
+  for (const Chunk& chunk : chunks_) {
+    const Eigen::MatrixXd part = product(chunk);
+    gram_.block(chunk.first, before, part.rows(), width) = part;
+    gram_.block(before, chunk.first, width, part.rows()) = part.transpose();
+  }
+  gram_.block(before, before, width, width) = product(fresh);
+}
+
+void ReadyColumns::copy(std::int32_t first, std::size_t rows, float* to) const {
+  const auto chunk = std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), Index{first},
+                                                [](Index k, const Chunk& c) { return k < c.first; }));
+  for (Index c = 0; c < 3; ++c) {
+    const auto column = chunk->columns.col(first - chunk->first + c);
+    for (Index i = 0; i < column.size(); ++i) to[c * static_cast<Index>(rows) + i] = static_cast<float>(column[i]);
+    std::fill(to + c * static_cast<Index>(rows) + column.size(), to + (c + 1) * static_cast<Index>(rows), 0.0f);
+  }
 }
 
 }  // namespace calot

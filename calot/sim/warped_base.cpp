@@ -44,7 +44,7 @@ void add_tets(BlockMatrix& matrix, const BaseRequest& request, const VertexTets&
     shapes[t] = tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
     const Mat3 r = request.rotations[t].toRotationMatrix();
     for (Vec3& g : shapes[t].gradient) g = r * g;
-    lames[t] = lame(model.material(TetId(t)));
+    lames[t] = model.lame_of(TetId(t));
   }
   const double stiffness = model.dynamics().stiffness_factor(), inertia = model.dynamics().mass_factor();
   const std::vector<double> masses = model.vertex_masses();

@@ -17,8 +17,8 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (c.size() == 0) return c;
   const auto size = [](Index i) { return static_cast<std::size_t>(i); };
   if (a.cols() == 0) return Eigen::MatrixXd::Zero(a.rows(), b.cols());
-  blas::gemm('N', 'N', size(a.rows()), size(b.cols()), size(a.cols()), 1, a.data(), size(a.rows()), b.data(),
-             size(b.rows()), 0, c.data(), size(c.rows()));
+  blas::gemm('N', 'N', size(a.rows()), size(b.cols()), size(a.cols()), 1.0, a.data(), size(a.rows()), b.data(),
+             size(b.rows()), 0.0, c.data(), size(c.rows()));
   return c;
 }
 
@@ -64,9 +64,8 @@ WarpedCompliance::WarpedCompliance(const BaseRequest& request)
   slot_of_vertex_ = vertex_of_slot_ = origin_;
   place_.assign(base_slots_, -1);
   pending_.place.assign(base_slots_, -1);
-  for (const Spring& spring : request.springs)
-    springs_.push_back({slot_of_vertex_[spring.vertex.index()],
-                        spring.other.valid() ? slot_of_vertex_[spring.other.index()] : none, spring.stiffness});
+  damping_factor_ = 1 / dynamics.time_step;
+  for (const Spring& spring : request.springs) springs_.push_back(entry_of(spring));
 }
 
 void WarpedCompliance::Change::add(std::uint32_t a, std::uint32_t b, const Mat3& block) {
@@ -143,13 +142,15 @@ void WarpedCompliance::add_spring(const SpringEntry& spring, double sign) {
   }
 }
 
-void WarpedCompliance::set_springs(std::span<const Spring> springs, double damping_factor) {
+WarpedCompliance::SpringEntry WarpedCompliance::entry_of(const Spring& spring) const {
+  return {slot_of_vertex_[spring.vertex.index()], spring.other.valid() ? slot_of_vertex_[spring.other.index()] : none,
+          (1 + spring.damping * damping_factor_) * spring.stiffness};
+}
+
+void WarpedCompliance::set_springs(std::span<const Spring> springs) {
   std::vector<SpringEntry> now;
   now.reserve(springs.size());
-  for (const Spring& spring : springs)
-    now.push_back({slot_of_vertex_[spring.vertex.index()],
-                   spring.other.valid() ? slot_of_vertex_[spring.other.index()] : none,
-                   (1 + spring.damping * damping_factor) * spring.stiffness});
+  for (const Spring& spring : springs) now.push_back(entry_of(spring));
   const auto same = [](const SpringEntry& x, const SpringEntry& y) {
     return x.a == y.a && x.b == y.b && (x.stiffness - y.stiffness).norm() <= 0.05 * y.stiffness.norm();
   };
@@ -246,6 +247,25 @@ void WarpedCompliance::settle() {
   for (const std::uint32_t slot : slots) pending_.place[slot] = -1;
   pending_.slots.clear();
   pending_.blocks.clear();
+  gather_touched();
+}
+
+void WarpedCompliance::gather_touched() {
+  const std::size_t rows = base_->ready.rows().size();
+  const auto columns = 3 * static_cast<Index>(touched_.size());
+  if (touched_columns_.rows() != static_cast<Index>(rows) || touched_columns_.cols() != columns)
+    touched_columns_.resize(static_cast<Index>(rows), columns);
+  for (std::size_t k = 0; k < touched_.size(); ++k) {
+    float* to = touched_columns_.data() + 3 * k * rows;
+    if (touched_[k] < base_slots_)
+      base_->ready.copy(base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[k]])), rows, to);
+    else
+      std::fill_n(to, 3 * rows, 0.0f);
+  }
+  correction_single_ = correction_.cast<float>();
+  packed_.resize(static_cast<Index>(rows));
+  at_touched_.resize(columns);
+  held_.resize(columns);
 }
 
 void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations) {
@@ -254,25 +274,19 @@ void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations
     turn_[v] = (vertex_rotations[v] * base_rotation(slot_of_vertex_[v]).conjugate()).toRotationMatrix();
 }
 
-// C0_T: f, from y = L⁻¹ P f.
-void WarpedCompliance::touched_part(const float* y, std::span<const Vec3> f, Eigen::VectorXd& a) const {
-  const std::vector<std::uint32_t>& rows = base_->ready.rows();
-  std::vector<float> packed(rows.size());
-  for (std::size_t i = 0; i < rows.size(); ++i) packed[i] = y[rows[i]];
-  const Eigen::Map<const Eigen::VectorXf> at_rows(packed.data(), static_cast<Index>(packed.size()));
+// C0_T: f from the packed L⁻¹ P f; later slots stand alone.
+void WarpedCompliance::touched_part(std::span<const Vec3> f) {
+  const auto rows = static_cast<std::size_t>(touched_columns_.rows()), columns = 3 * touched_.size();
+  blas::gemv('T', rows, columns, touched_columns_.data(), rows, packed_.data(), at_touched_.data());
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const std::uint32_t slot = touched_[k];
-    auto target = a.segment<3>(3 * static_cast<Index>(k));
-    if (slot < base_slots_) {
-      const std::int32_t column = base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[slot]));
-      for (Index c = 0; c < 3; ++c)
-        target[c] = Eigen::Map<const Eigen::VectorXf>(base_->ready.column(column + c), at_rows.size()).dot(at_rows);
-    } else {
-      target = vertex_of_slot_[slot] == none
-                   ? Vec3(Vec3::Zero())
-                   : Vec3(turn_[vertex_of_slot_[slot]].transpose() * f[vertex_of_slot_[slot]] / own_stiffness_);
-    }
+    if (slot < base_slots_) continue;
+    const std::uint32_t v = vertex_of_slot_[slot];
+    at_touched_.segment<3>(3 * static_cast<Index>(k)) =
+        v == none ? Eigen::Vector3f(Eigen::Vector3f::Zero())
+                  : Eigen::Vector3f((turn_[v].transpose() * f[v] / own_stiffness_).cast<float>());
   }
+  blas::gemv('N', columns, columns, correction_single_.data(), columns, at_touched_.data(), held_.data());
 }
 
 void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
@@ -281,24 +295,17 @@ void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
     const std::uint32_t slot = slot_of_vertex_[v];
     if (slot >= base_slots_ || base_->row_of_slot[slot] < 0) continue;
     const Vec3 turned = turn_[v].transpose() * f[v];
-    for (int i = 0; i < 3; ++i) x_[static_cast<std::size_t>(base_->row_of_slot[slot] + i)] = static_cast<float>(turned[i]);
+    for (int i = 0; i < 3; ++i)
+      x_[static_cast<std::size_t>(base_->row_of_slot[slot] + i)] = static_cast<float>(turned[i]);
   }
   base_->single.forward(x_.data(), work_);
-  Eigen::VectorXd b;
   if (!touched_.empty()) {
-    Eigen::VectorXd a(3 * static_cast<Index>(touched_.size()));
-    touched_part(x_.data(), f, a);
-    b = correction_ * a;
     const std::vector<std::uint32_t>& rows = base_->ready.rows();
-    Eigen::VectorXf back = Eigen::VectorXf::Zero(static_cast<Index>(rows.size()));
-    for (std::size_t k = 0; k < touched_.size(); ++k) {
-      if (touched_[k] >= base_slots_) continue;
-      const std::int32_t column = base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[k]]));
-      for (Index c = 0; c < 3; ++c)
-        back += static_cast<float>(b[3 * static_cast<Index>(k) + c]) *
-                Eigen::Map<const Eigen::VectorXf>(base_->ready.column(column + c), back.size());
-    }
-    for (std::size_t i = 0; i < rows.size(); ++i) x_[rows[i]] -= back[static_cast<Index>(i)];
+    for (std::size_t i = 0; i < rows.size(); ++i) packed_[static_cast<Index>(i)] = x_[rows[i]];
+    touched_part(f);
+    blas::gemv('N', rows.size(), 3 * touched_.size(), touched_columns_.data(), rows.size(), held_.data(),
+               packed_.data());
+    for (std::size_t i = 0; i < rows.size(); ++i) x_[rows[i]] -= packed_[static_cast<Index>(i)];
   }
   base_->single.backward(x_.data(), work_);
   for (std::size_t v = 0; v < x.size(); ++v) {
@@ -309,7 +316,7 @@ void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
       const float* from = x_.data() + base_->row_of_slot[slot];
       x[v] = turn_[v] * Vec3(from[0], from[1], from[2]);
     } else {
-      const Vec3 held = place_[slot] < 0 ? Vec3(Vec3::Zero()) : Vec3(b.segment<3>(3 * Index{place_[slot]}));
+      const Vec3 held = place_[slot] < 0 ? Vec3(Vec3::Zero()) : Vec3(held_.segment<3>(3 * Index{place_[slot]}).cast<double>());
       x[v] = (f[v] - turn_[v] * held) / own_stiffness_;
     }
   }

@@ -40,19 +40,29 @@ class ReadyColumns {
   [[nodiscard]] std::int32_t column_of(std::uint32_t first_row) const {
     return first_row < column_of_row_.size() ? column_of_row_[first_row] : -1;
   }
-  /// C0 [m/N] between ready columns.
+  /// C0 [m/N] between ready columns; larger than their number.
   [[nodiscard]] const Eigen::MatrixXd& compliance() const { return gram_; }
-  /// The factor's rows that columns are packed to, and a column there.
+  /// The factor's rows that columns are packed to.
   [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
-  [[nodiscard]] const float* column(Eigen::Index k) const { return single_.data() + k * single_.rows(); }
+  /// Three columns from `first`, each `rows` = |rows()| values.
+  void copy(std::int32_t first, std::size_t rows, float* to) const;
 
  private:
+  struct Chunk {
+    Eigen::Index first;       // its first column among all
+    Eigen::MatrixXd columns;  // on the rows there were when it was made
+  };
+  Eigen::MatrixXd solve(const SparseFactor& factor, std::span<const std::uint32_t> fresh,
+                        std::span<const std::uint32_t> path);
+  void extend_compliance(const Chunk& fresh);
+
   std::vector<std::int32_t> place_of_row_;   // of every row of the factor, in rows_, or −1
   std::vector<std::int32_t> column_of_row_;  // of every row of the factor that is a vertex's first, or −1
   std::vector<std::uint32_t> rows_;
+  std::vector<Chunk> chunks_;
   Eigen::Index count_ = 0;
-  Eigen::MatrixXd packed_, gram_;  // packed_ has spare rows and columns
-  Eigen::MatrixXf single_;
+  Eigen::MatrixXd gram_;
+  std::vector<double> solved_, work_;
 };
 
 /// The factored Â of one moment.
@@ -92,7 +102,7 @@ class WarpedCompliance {
   /// Takes in an edit, which `remap` describes, or with the identity a change of stiffness.
   void follow(const std::vector<ElementChange>& changes, const Remap& remap);
   /// Takes in the springs of this step: whatever differs from those it knows.
-  void set_springs(std::span<const Spring> springs, double damping_factor);
+  void set_springs(std::span<const Spring> springs);
   /// First rows of the slots that edits have touched, for ReadyColumns::add on another thread.
   [[nodiscard]] std::vector<std::uint32_t> touched_rows(const WarpedBase& base) const;
   /// Makes the next answers right after `follow`, `set_springs` or `set_base`.
@@ -120,13 +130,19 @@ class WarpedCompliance {
     void add(std::uint32_t a, std::uint32_t b, const Mat3& block);
   };
   void add_slots(const Remap& remap);
+  [[nodiscard]] SpringEntry entry_of(const Spring& spring) const;
   void add_spring(const SpringEntry& spring, double sign);
   [[nodiscard]] bool free(std::uint32_t slot) const { return !fixed_[slot]; }
   [[nodiscard]] const Eigen::Quaterniond& base_rotation(std::uint32_t slot) const;
   [[nodiscard]] Eigen::MatrixXd base_block(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
-  void touched_part(const float* y, std::span<const Vec3> f, Eigen::VectorXd& a) const;
+  void touched_part(std::span<const Vec3> f);
+  void gather_touched();
+  void spread_contacts(std::span<const ContactRows> contacts);
+  [[nodiscard]] Eigen::MatrixXd touched_by(std::span<const ContactRows> contacts) const;
+  void add_later_slots(std::span<const ContactRows> contacts, Eigen::MatrixXd& w) const;
 
   double own_stiffness_ = 1;           // σ of slots that came later, or died
+  double damping_factor_ = 0;          // 1/h
   std::unique_ptr<WarpedBase> base_;
   std::size_t base_slots_ = 0;
   std::vector<std::uint8_t> fixed_;    // slots
@@ -139,9 +155,14 @@ class WarpedCompliance {
   std::vector<std::uint32_t> touched_;              // T, slots
   std::vector<std::int32_t> place_;                 // of each slot in T, or −1
   Eigen::MatrixXd correction_;                      // K, 3|T|×3|T|
+  Eigen::MatrixXf touched_columns_, correction_single_;  // of T, packed to the ready rows; K again
+  Eigen::VectorXf packed_, at_touched_, held_;      // work of `apply`
 
   std::vector<Mat3> turn_;                          // n, base frame → now
   std::vector<float> x_, work_;
+  std::vector<float> spread_;                       // L⁻¹ P Jᵀ of `delassus`, a column after another
+  std::vector<std::uint32_t> path_;                 // supernodes where it isn't zero
+  std::vector<std::vector<float>> group_work_;
   std::vector<std::uint32_t> vertex_of_slot_;       // slots, or none where dead
 };
 

@@ -1,0 +1,263 @@
+#include "calot/sim/world.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "calot/base/error.h"
+#include "calot/base/files.h"
+#include "calot/sim/instrument_state.h"
+#include "calot/sim/world_clock.h"
+
+namespace calot {
+namespace {
+
+const Model& checked(const Model& model) {
+  if (model.dynamics().is_static())
+    throw InputError("time_step", "is 0: a simulation needs steps", "give a step such as 0.0166667 s");
+  if (model.dynamics().mass_lumping != MassLumping::element)
+    throw InputError("mass_lumping", "must be \"element\" in a simulation", "leave it out of the model");
+  return model;
+}
+
+std::vector<VertexId> supplies_of(const WorldSetup& setup) {
+  return supply_vertices(setup.model.mesh(), setup.properties, setup.model.fixed());
+}
+
+}  // namespace
+
+std::string_view name_of(Phase phase) {
+  switch (phase) {
+    case Phase::edits: return "edits";
+    case Phase::compliance: return "compliance";
+    case Phase::waiting: return "waiting";
+    case Phase::free_motion: return "free motion";
+    case Phase::detection: return "detection";
+    case Phase::contact: return "contact";
+    case Phase::response: return "response";
+    case Phase::tissue: return "tissue";
+  }
+  return "";
+}
+
+std::string_view name_of(EventKind kind) {
+  switch (kind) {
+    case EventKind::cut: return "cut";
+    case EventKind::cut_refused: return "cut refused";
+    case EventKind::burnt: return "burnt";
+    case EventKind::torn: return "torn";
+    case EventKind::clip_placed: return "clip placed";
+    case EventKind::clip_lost: return "clip lost";
+    case EventKind::grasped: return "grasped";
+    case EventKind::let_go: return "let go";
+    case EventKind::slipped: return "slipped";
+    case EventKind::bruised: return "bruised";
+    case EventKind::perforated: return "perforated";
+    case EventKind::bleeding: return "bleeding";
+    case EventKind::input_fault: return "input fault";
+    case EventKind::input_recovered: return "input recovered";
+    case EventKind::ran_away: return "ran away";
+    case EventKind::inverted: return "inverted";
+  }
+  return "";
+}
+
+double StepReport::total() const {
+  double sum = 0;
+  for (std::size_t k = 0; k < phase_count; ++k)
+    if (static_cast<Phase>(k) != Phase::waiting) sum += seconds[k];
+  return sum;
+}
+
+World::World(WorldSetup setup)
+    : properties_(setup.properties),
+      still_(std::move(setup.still)),
+      options_(setup.options),
+      model_(checked(setup.model)),
+      state_{model_.mesh().positions, std::vector<Vec3>(model_.mesh().vertex_count(), Vec3::Zero())},
+      tissue_(model_),
+      motion_(model_),
+      around_(vertex_tets(model_.mesh())),
+      surface_(model_.mesh()),
+      ligaments_(setup.ligaments),
+      heat_(model_.mesh(), properties_),
+      injury_(model_.mesh(), properties_),
+      fluids_(model_.mesh(), properties_, supplies_of(setup)),
+      tearing_(model_.mesh(), properties_),
+      compliance_(model_, tissue_, options_.refresh) {
+  for (InstrumentSetup& instrument : setup.instruments) arms_.emplace_back(std::move(instrument));
+  closed_.assign(model_.mesh().tet_count(), 0);
+  renew_triangles();
+}
+
+void World::renew_triangles() {
+  triangles_.resize(surface_.triangles().size());
+  for (std::size_t k = 0; k < triangles_.size(); ++k) triangles_[k] = surface_.triangles()[k].vertices;
+}
+
+TissueSurface World::tissue_surface() const {
+  return {triangles_, state_.positions};
+}
+
+void World::say(EventKind kind, std::int32_t instrument, double amount, std::string text) {
+  events_.push_back({step_, kind, instrument, amount, std::move(text)});
+}
+
+const StepReport& World::step(std::span<const std::optional<InstrumentInput>> inputs) {
+  ++step_;
+  report_ = {};
+  report_.step = step_;
+  changes_.clear();
+  PhaseClock clock(report_.seconds);
+  take_inputs(inputs);
+  edit_tissue();
+  clock.end(Phase::edits);
+  renew_compliance(clock);
+  motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
+  motion_of_step_.resize(state_.positions.size());
+  const Preconditioner preconditioner = [this](std::span<const Vec3> r, std::span<Vec3> z) {
+    compliance_.present().apply(r, z);
+  };
+  report_.free_motion = motion_.solve_free(preconditioner, options_.solver, motion_of_step_);
+  clock.end(Phase::free_motion);
+  find_contacts();
+  clock.end(Phase::detection);
+  solve_contacts(clock);
+  if (has_run_away()) {
+    take_back();
+    clock.end(Phase::tissue);
+    return report_;
+  }
+  integrate();
+  follow_up();
+  clock.end(Phase::tissue);
+  return report_;
+}
+
+void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) {
+  for (std::size_t k = 0; k < arms_.size(); ++k) {
+    InstrumentArm& arm = arms_[k];
+    arm.take(k < inputs.size() ? inputs[k] : std::nullopt, model_.dynamics().time_step);
+    if (arm.status() == arm.status_before()) continue;
+    const auto number = static_cast<std::int32_t>(k);
+    if (arm.status() == InputStatus::good)
+      say(EventKind::input_recovered, number, 0, std::string(words_of(arm.status())));
+    else if (arm.status() != InputStatus::recovering)
+      say(EventKind::input_fault, number, 0, std::string(words_of(arm.status())));
+  }
+}
+
+// Vertices within reach of blades and hooks: their columns of the compliance are made ready with the next factor.
+std::vector<VertexId> World::likely_vertices() const {
+  constexpr double reach = 8e-3;
+  constexpr std::size_t most = 100;
+  std::vector<std::pair<double, VertexId>> near;
+  for (const InstrumentArm& arm : arms_) {
+    const bool cuts = arm.scissors && arm.opening_to() > 0.02;
+    const bool burns = arm.geometry().kind == InstrumentKind::hook && arm.input().energy;
+    if (!cuts && !burns) continue;
+    const Vec3 a = arm.to().position,
+               b = arm.to() * (cuts ? Vec3(0, 0, arm.geometry().jaw_length) : arm.geometry().hook_tip);
+    for (std::size_t v = 0; v < state_.positions.size(); ++v) {
+      const double along = std::clamp((state_.positions[v] - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+      const double distance = (state_.positions[v] - a - along * (b - a)).norm();
+      if (distance < reach && !model_.is_fixed(VertexId(v))) near.emplace_back(distance, VertexId(v));
+    }
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<VertexId> likely;
+  for (const auto& [distance, v] : near) {
+    if (likely.size() == most) break;
+    if (std::find(likely.begin(), likely.end(), v) == likely.end()) likely.push_back(v);
+  }
+  return likely;
+}
+
+void World::gather_springs() {
+  const double h = model_.dynamics().time_step;
+  springs_ = ligaments_;
+  const TissueSurface surface = tissue_surface();
+  for (InstrumentArm& arm : arms_) {
+    if (!arm.grasp) continue;
+    arm.grasp->update({h, arm.from(), arm.to(), arm.input().opening, arm.input().grip, surface, state_.velocities,
+                       model_.mesh().positions});
+    arm.set_opening(arm.grasp->opening());
+    arm.grasp->springs(springs_);
+  }
+  loads_.assign(state_.positions.size(), Vec3::Zero());
+  for (Clip& clip : clips_) {
+    clip.springs(h, springs_);
+    clip.loads(loads_);
+  }
+}
+
+void World::renew_compliance(PhaseClock& clock) {
+  gather_springs();
+  report_.seconds[static_cast<std::size_t>(Phase::waiting)] = compliance_.adopt(step_);
+  compliance_.set_springs(springs_);
+  if (compliance_.start_is_due(step_)) compliance_.start(step_, model_, tissue_, springs_, likely_vertices());
+  WarpedCompliance& present = compliance_.present();
+  present.settle();
+  present.turn(vertex_rotations(around_, tissue_.rotations()));
+  report_.touched = present.touched();
+  clock.end(Phase::compliance, report_.seconds[static_cast<std::size_t>(Phase::waiting)]);
+}
+
+void World::integrate() {
+  const double h = model_.dynamics().time_step;
+  const TissueState before = state_;
+  for (std::size_t v = 0; v < state_.positions.size(); ++v) {
+    state_.positions[v] += motion_of_step_[v];
+    state_.velocities[v] = motion_of_step_[v] / h;
+  }
+  tissue_.update_rotations(state_.positions);
+  report_.nonlinear_residual = motion_.finish(before, state_, contact_forces_);
+}
+
+bool World::has_run_away() const {
+  return std::any_of(motion_of_step_.begin(), motion_of_step_.end(),
+                     [&](const Vec3& d) { return !(d.norm() <= options_.runaway_step); });
+}
+
+// The last good state stays, at rest; the next step begins from there.
+void World::take_back() {
+  for (Vec3& v : state_.velocities) v.setZero();
+  contacts_.clear();
+  contact_forces_.clear();
+  warm_.clear();
+  motion_.follow(model_);
+  report_.ran_away = true;
+  say(EventKind::ran_away, -1, 0, "tissue moved further in one step than it can; the last good state is kept, at rest");
+}
+
+double World::energy() const {
+  double sum = tissue_.energy(state_.positions);
+  for (std::size_t v = 0; v < state_.positions.size(); ++v)
+    sum += motion_.masses()[v] *
+           (0.5 * state_.velocities[v].squaredNorm() - options_.gravity.dot(state_.positions[v]));
+  return sum;
+}
+
+std::string World::state_hash() const {
+  std::string bytes;
+  const auto add = [&](const auto& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  for (const std::vector<Vec3>* list : {&state_.positions, &state_.velocities, &model_.mesh().positions})
+    for (const Vec3& v : *list) detail::append_bytes(bytes, v);
+  add(model_.mesh().tets);
+  add(model_.mesh().regions);
+  add(model_.stiffness_scale());
+  for (const Eigen::Quaterniond& q : tissue_.rotations())
+    for (int k = 0; k < 4; ++k) detail::append_bytes(bytes, q.coeffs()[k]);
+  for (const InstrumentArm& arm : arms_) arm.append_state(bytes);
+  for (const Clip& clip : clips_) clip.append_state(bytes);
+  heat_.append_state(bytes);
+  injury_.append_state(bytes);
+  fluids_.append_state(bytes);
+  tearing_.append_state(bytes);
+  return sha256(bytes);
+}
+
+}  // namespace calot

@@ -1,0 +1,149 @@
+// Contacts of a step: found, solved with friction, answered by the tissue, and handed to haptic loops.
+#include <algorithm>
+
+#include "calot/sim/world.h"
+#include "calot/sim/world_clock.h"
+
+namespace calot {
+namespace {
+
+using Index = Eigen::Index;
+
+// Both sides of a contact as one set of weighted vertices.
+ContactRows rows_of(const TissueContact& contact) {
+  ContactRows rows;
+  rows.frame = contact_frame(contact.normal).transpose();
+  const auto add = [&](const SurfacePoint& point, double sign) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      rows.vertices[rows.count] = point.vertices[i];
+      rows.weights[rows.count++] = sign * point.weights[static_cast<Index>(i)];
+    }
+  };
+  add(contact.point, 1);
+  if (contact.partner == ContactPartner::tissue) add(contact.other, -1);
+  return rows;
+}
+
+Vec3 motion_at(const ContactRows& rows, std::span<const Vec3> d) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < rows.count; ++i) sum += rows.weights[i] * d[rows.vertices[i].index()];
+  return sum;
+}
+
+Mat3 cross_matrix(const Vec3& r) {
+  Mat3 m;
+  m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+  return m;
+}
+
+}  // namespace
+
+void World::find_contacts() {
+  shapes_.clear();
+  shape_owner_.clear();
+  std::vector<std::uint8_t> parts;
+  for (std::size_t k = 0; k < arms_.size(); ++k) {
+    arms_[k].add_shapes(shapes_, parts);
+    for (std::size_t p = shape_owner_.size(); p < parts.size(); ++p)
+      shape_owner_.emplace_back(static_cast<std::uint32_t>(k), parts[p]);
+  }
+  contacts_ = detect(surface_, state_.positions, motion_of_step_, {shapes_, still_}, options_.contact);
+  // Held tissue is the grasp's business.
+  std::erase_if(contacts_, [&](const TissueContact& contact) {
+    if (contact.partner != ContactPartner::shape) return false;
+    const InstrumentArm& arm = arms_[shape_owner_[contact.shape].first];
+    return arm.grasp && std::any_of(contact.point.vertices.begin(), contact.point.vertices.end(),
+                                    [&](VertexId v) { return arm.grasp->holds(v); });
+  });
+}
+
+void World::solve_contacts(PhaseClock& clock) {
+  report_.contacts = contacts_.size();
+  contact_forces_.clear();
+  for (InstrumentArm& arm : arms_) arm.force.setZero();
+  report_.response.converged = report_.friction.converged = true;
+  problem_ = {};
+  rows_.clear();
+  if (contacts_.empty()) {
+    warm_.clear();
+    clock.end(Phase::contact);
+    return;
+  }
+  const auto size = 3 * static_cast<Index>(contacts_.size());
+  std::vector<double> start(static_cast<std::size_t>(size), 0.0);
+  problem_.free_motion.resize(size);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const TissueContact& contact = contacts_[k];
+    rows_.push_back(rows_of(contact));
+    Vec3 q = rows_[k].frame.transpose() * (motion_at(rows_[k], motion_of_step_) - contact.partner_motion);
+    q.x() += std::max(contact.gap, -options_.recovery);
+    report_.deepest_overlap = std::max(report_.deepest_overlap, -contact.gap);
+    problem_.free_motion.segment<3>(3 * static_cast<Index>(k)) = q;
+    problem_.friction.push_back(contact.friction);
+    if (const auto before = warm_.find(contact.key); before != warm_.end())
+      for (std::size_t i = 0; i < 3; ++i) start[3 * k + i] = before->second[static_cast<Index>(i)];
+  }
+  problem_.delassus = compliance_.present().delassus(rows_);
+  report_.friction = solve_friction(problem_, start, options_.friction);
+  clock.end(Phase::contact);
+
+  contact_forces_.assign(state_.positions.size(), Vec3::Zero());
+  warm_.clear();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Vec3 local = report_.friction.forces.segment<3>(3 * static_cast<Index>(k));
+    warm_[contacts_[k].key] = local;
+    const Vec3 force = rows_[k].frame * local;
+    for (std::size_t i = 0; i < rows_[k].count; ++i)
+      contact_forces_[rows_[k].vertices[i].index()] += rows_[k].weights[i] * force;
+    if (contacts_[k].partner == ContactPartner::shape) arms_[shape_owner_[contacts_[k].shape].first].force -= force;
+  }
+  for (std::size_t v = 0; v < contact_forces_.size(); ++v)
+    if (model_.is_fixed(VertexId(v))) contact_forces_[v].setZero();
+  guess_.resize(contact_forces_.size());
+  WarpedCompliance& present = compliance_.present();
+  present.apply(contact_forces_, guess_);
+  report_.response = motion_.add_response(
+      contact_forces_, guess_,
+      [&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, options_.solver, motion_of_step_);
+  clock.end(Phase::response);
+}
+
+// The contacts with this instrument alone; what the others do is part of the free motion.
+void World::haptic_constraints(std::size_t instrument, HapticConstraints& out) const {
+  const InstrumentArm& arm = arms_[instrument];
+  out.step = step_;
+  out.pose = arm.to();
+  std::vector<Index> mine;
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (contacts_[k].partner == ContactPartner::shape && shape_owner_[contacts_[k].shape].first == instrument)
+      mine.push_back(static_cast<Index>(k));
+  const auto count = static_cast<Index>(mine.size());
+  out.problem.delassus.resize(3 * count, 3 * count);
+  out.problem.free_motion.resize(3 * count);
+  out.problem.friction.resize(mine.size());
+  out.motion.resize(3 * count, 6);
+  out.wrench.resize(6, 3 * count);
+  const Eigen::VectorXd moved =
+      contacts_.empty() ? Eigen::VectorXd() : Eigen::VectorXd(problem_.free_motion + problem_.delassus * report_.friction.forces);
+  for (Index k = 0; k < count; ++k) {
+    const TissueContact& contact = contacts_[static_cast<std::size_t>(mine[static_cast<std::size_t>(k)])];
+    const ContactRows& rows = rows_[static_cast<std::size_t>(mine[static_cast<std::size_t>(k)])];
+    Vec3 own = Vec3::Zero();
+    for (Index m = 0; m < count; ++m) {
+      const Mat3 block = problem_.delassus.block<3, 3>(3 * mine[static_cast<std::size_t>(k)], 3 * mine[static_cast<std::size_t>(m)]);
+      out.problem.delassus.block<3, 3>(3 * k, 3 * m) = block;
+      own += block * report_.friction.forces.segment<3>(3 * mine[static_cast<std::size_t>(m)]);
+    }
+    out.problem.free_motion.segment<3>(3 * k) = moved.segment<3>(3 * mine[static_cast<std::size_t>(k)]) - own;
+    out.problem.friction[static_cast<std::size_t>(k)] = contact.friction;
+    const Vec3 arm_of_force = contact.place + contact.partner_motion - out.pose.position;
+    out.motion.block<3, 3>(3 * k, 0) = -rows.frame.transpose();
+    out.motion.block<3, 3>(3 * k, 3) = rows.frame.transpose() * cross_matrix(arm_of_force);
+    out.wrench.block<3, 3>(0, 3 * k) = -rows.frame;
+    out.wrench.block<3, 3>(3, 3 * k) = -cross_matrix(arm_of_force) * rows.frame;
+  }
+  out.held_wrench = arm.grasp ? arm.grasp->wrench() : Vector6(Vector6::Zero());
+  out.held_stiffness = arm.grasp ? arm.grasp->stiffness() : Matrix6(Matrix6::Zero());
+}
+
+}  // namespace calot

@@ -1,0 +1,161 @@
+// Cuts, burns and tears: the one way in which a topology edit reaches every part of the world.
+#include <algorithm>
+#include <numeric>
+
+#include "calot/base/error.h"
+#include "calot/cut/separate.h"
+#include "calot/cut/split.h"
+#include "calot/sim/element_changes.h"
+#include "calot/sim/world.h"
+
+namespace calot {
+namespace {
+
+// Ligaments of tissue that is gone go with it.
+std::vector<Spring> followed(const std::vector<Spring>& springs, const Remap& remap) {
+  std::vector<Spring> result;
+  for (Spring spring : springs) {
+    spring.vertex = remap.vertex_to_new[spring.vertex.index()];
+    if (spring.other.valid()) {
+      spring.other = remap.vertex_to_new[spring.other.index()];
+      if (!spring.other.valid()) continue;
+    }
+    if (spring.vertex.valid()) result.push_back(spring);
+  }
+  return result;
+}
+
+std::vector<TetId> followed(const std::vector<TetId>& tets, const Remap& remap) {
+  std::vector<TetId> result;
+  for (const TetId t : tets)
+    if (remap.tet_to_new[t.index()].valid()) result.push_back(remap.tet_to_new[t.index()]);
+  return result;
+}
+
+// Flags of tets; pieces have their parent's.
+std::vector<std::uint8_t> followed(const std::vector<std::uint8_t>& flags, const Remap& remap) {
+  std::vector<std::uint8_t> result(remap.tet_to_old.size(), 0);
+  for (std::size_t t = 0; t < result.size(); ++t)
+    if (remap.tet_to_old[t].valid()) result[t] = flags[remap.tet_to_old[t].index()];
+  for (std::size_t k = 0; k < remap.added_tets.size(); ++k)
+    result[remap.added_tets[k].index()] = flags[remap.added_parents[k].index()];
+  return result;
+}
+
+}  // namespace
+
+// The order: first what the others look at (mesh, positions), then all who keep numbers of vertices or tets.
+void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& text, std::int32_t instrument) {
+  if (edit.empty()) return;
+  const ChangedTets changed = changed_tets(edit, around_);
+  std::vector<ElementChange> elements = leaving(model_, changed);
+  StiffnessChange change;
+  try {
+    change = model_.apply(edit);
+  } catch (const InputError& refused) {
+    say(EventKind::cut_refused, instrument, 0, refused.what());
+    return;
+  }
+  const Remap& remap = change.remap;
+  add_entering(model_, remap, changed, elements);
+  const std::vector<Vec3> positions_before = state_.positions;
+  state_.positions = carry_over(state_.positions, remap);
+  state_.velocities = carry_over(state_.velocities, remap);
+  around_ = vertex_tets(model_.mesh());
+  tissue_.follow(model_, remap);
+  motion_.follow(model_);
+  compliance_.follow(elements, remap);
+  surface_.follow(model_.mesh(), remap);
+  renew_triangles();
+  for (InstrumentArm& arm : arms_) {
+    if (arm.grasp) arm.grasp->follow(remap, positions_before, state_.positions);
+    arm.stroke = calot::follow(arm.stroke, remap);
+  }
+  for (Clip& clip : clips_) clip.follow(remap, positions_before, state_.positions);
+  ligaments_ = followed(ligaments_, remap);
+  heat_.follow(remap, model_.mesh(), around_);
+  injury_.follow(remap);
+  fluids_.follow(remap, model_.mesh(), around_);
+  tearing_.follow(remap, model_.mesh());
+  to_vaporise_ = followed(to_vaporise_, remap);
+  to_stiffen_ = followed(to_stiffen_, remap);
+  closed_ = followed(closed_, remap);
+  say(cause, instrument, static_cast<double>(edit.tets.size() + edit.removed.size()), text);
+  changes_.push_back(std::move(change));
+}
+
+void World::edit_tissue() {
+  for (std::size_t k = 0; k < arms_.size(); ++k)
+    if (arms_[k].scissors) cut_with_scissors(k);
+  part_torn();
+  remove_vaporised();
+  stiffen();
+}
+
+void World::cut_with_scissors(std::size_t k) {
+  InstrumentArm& arm = arms_[k];
+  const bool closing = arm.closing();
+  const Sweep sweep = arm.scissors->close(arm.from(), arm.to(), arm.opening_to());
+  if (!closing) {
+    arm.stroke = {};
+    return;
+  }
+  if (sweep.triangles.empty()) return;
+  const auto number = static_cast<std::int32_t>(k);
+  if (options_.split) {
+    SplitOptions options;
+    options.stroke = &arm.stroke;
+    options.fixed = model_.fixed();
+    SplitEdit cut = calot::split(model_.mesh(), around_, state_.positions, sweep, options);
+    if (cut.empty()) return;
+    // The stroke's new numbers count from the edit's: `edit` follows them like all others, so it is set apart.
+    const Stroke next = cut.report.stroke;
+    const std::size_t before = changes_.size();
+    edit(cut, EventKind::cut,
+         arm.setup().name + " cut " + std::to_string(cut.report.crossed) + " edges, opened " +
+             std::to_string(cut.report.separated) + " faces",
+         number);
+    arm.stroke = changes_.size() > before ? calot::follow(next, changes_.back().remap) : Stroke{};
+    return;
+  }
+  TopologyEdit removal;
+  std::vector<std::uint8_t> crossed(model_.mesh().tet_count(), 0);
+  const SplitEdit probe = calot::split(model_.mesh(), around_, state_.positions, sweep, {});
+  for (const TetId t : probe.removed) crossed[t.index()] = 1;
+  for (std::size_t t = 0; t < crossed.size(); ++t)
+    if (crossed[t]) removal.removed.push_back(TetId(t));
+  edit(removal, EventKind::cut,
+       arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed", number);
+}
+
+void World::part_torn() {
+  if (to_part_.empty()) return;
+  const TopologyEdit tear = separate(model_.mesh(), around_, to_part_);
+  to_part_.clear();
+  edit(tear, EventKind::torn, "tissue tore where it was stretched beyond what it bears");
+}
+
+void World::remove_vaporised() {
+  if (to_vaporise_.empty()) return;
+  TopologyEdit burn;
+  burn.removed = to_vaporise_;
+  to_vaporise_.clear();
+  edit(burn, EventKind::burnt, "heat vaporised " + std::to_string(burn.removed.size()) + " tets");
+}
+
+void World::stiffen() {
+  if (to_stiffen_.empty()) return;
+  std::vector<double> factors;
+  for (const TetId t : to_stiffen_) factors.push_back(heat_.stiffness_factor(t));
+  const ChangedTets changed{{}, to_stiffen_};
+  std::vector<ElementChange> elements = leaving(model_, changed);
+  StiffnessChange change = model_.scale_stiffness(to_stiffen_, factors);
+  add_entering(model_, change.remap, changed, elements);
+  tissue_.restiffen(model_);
+  motion_.follow(model_);
+  compliance_.follow(elements, change.remap);
+  changes_.push_back(std::move(change));
+  to_stiffen_.clear();
+}
+
+}  // namespace calot

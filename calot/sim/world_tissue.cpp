@@ -1,0 +1,148 @@
+// What a step's motion does to tissue: what holds it, heat, injury, bleeding, tearing.
+#include <algorithm>
+
+#include "calot/sim/hook.h"
+#include "calot/sim/world.h"
+
+namespace calot {
+namespace {
+
+constexpr double suction_radius = 8e-3;   // pooled fluid this near to the tip is taken up [m]; assumed
+constexpr double suction_flow = 50e-6;    // [m³/s]; assumed, 3 L a minute
+constexpr double spread_of_contact = 4e-6;  // area a contact point stands for [m²]: contacts lie 2 mm apart
+
+}  // namespace
+
+void World::follow_up() {
+  update_holds();
+  update_injury();
+  if (options_.heat) update_heat();
+  if (options_.fluids) update_fluids();
+  const TearStep& tears = tearing_.step(model_.mesh(), around_, state_.positions);
+  report_.largest_stretch = tears.largest;
+  report_.inverted = tears.inverted.size();
+  if (options_.tearing) to_part_ = tears.faces;
+}
+
+void World::place_clip(std::size_t k) {
+  const InstrumentArm& arm = arms_[k];
+  Clip clip({}, arm.geometry(), arm.to(), std::max(arm.opening_to(), 0.25 * arm.geometry().max_opening),
+            tissue_surface(), model_.mesh());
+  if (clip.state() == ClipState::off) {
+    say(EventKind::clip_lost, static_cast<std::int32_t>(k), 0, "a clip was fired with nothing between its legs");
+    return;
+  }
+  say(EventKind::clip_placed, static_cast<std::int32_t>(k), 1e6 * clip.held_area(),
+      arm.setup().name + (clip.whole() ? " placed a clip across the whole tube" : " placed a clip across a part of the tube"));
+  clips_.push_back(std::move(clip));
+}
+
+void World::update_holds() {
+  for (std::size_t k = 0; k < arms_.size(); ++k) {
+    InstrumentArm& arm = arms_[k];
+    const auto number = static_cast<std::int32_t>(k);
+    if (arm.geometry().kind == InstrumentKind::clip_applier && arm.fires()) place_clip(k);
+    if (!arm.grasp) continue;
+    const bool held = arm.held_before;
+    arm.grasp->after_step(state_.positions);
+    arm.force += arm.grasp->report().pull;
+    arm.held_before = arm.grasp->holding();
+    if (!held && arm.held_before)
+      say(EventKind::grasped, number, static_cast<double>(arm.grasp->held_count()),
+          arm.setup().name + " took hold of " + std::to_string(arm.grasp->held_count()) + " vertices");
+    if (held && !arm.held_before) say(EventKind::let_go, number, 0, arm.setup().name + " let go");
+    const bool slips = arm.grasp->report().slip > 0;
+    if (slips && !arm.slipped_before)
+      say(EventKind::slipped, number, arm.grasp->report().hold_limit, arm.setup().name + " slips: pulled beyond what its jaws hold");
+    arm.slipped_before = slips;
+    if (!arm.grasp->bruises().empty() && !arm.bruised_before)
+      say(EventKind::bruised, number, arm.grasp->report().grip, arm.setup().name + " bruises what it holds");
+    arm.bruised_before = !arm.grasp->bruises().empty();
+  }
+  for (Clip& clip : clips_) {
+    const ClipState before = clip.state();
+    clip.after_step(state_.positions);
+    if (before != ClipState::off && clip.state() == ClipState::off)
+      say(EventKind::clip_lost, -1, 0, "a clip came off");
+  }
+}
+
+void World::update_heat() {
+  std::vector<HeatSource> sources;
+  for (const InstrumentArm& arm : arms_) {
+    if (arm.geometry().kind != InstrumentKind::hook || !arm.input().energy) continue;
+    if (const auto contact = hook_contact(arm.geometry(), arm.to(), tissue_surface()))
+      sources.push_back({contact->place, std::max(1e-3, contact->radius), arm.setup().power, 0.5, 0.5});
+  }
+  const HeatStep& step = heat_.step(model_.dynamics().time_step, sources, model_.mesh(), state_.positions);
+  to_vaporise_ = step.vaporised;
+  to_stiffen_ = step.stiffened;
+  std::erase_if(to_stiffen_, [&](TetId t) { return std::binary_search(to_vaporise_.begin(), to_vaporise_.end(), t); });
+}
+
+void World::update_injury() {
+  std::vector<InjuryContact> touches;
+  const double h = model_.dynamics().time_step;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const TissueContact& contact = contacts_[k];
+    const double force = report_.friction.forces[3 * static_cast<Eigen::Index>(k)];
+    if (contact.partner != ContactPartner::shape || !(force > 0)) continue;
+    InjuryContact touch;
+    touch.point = contact.point;
+    touch.force = force;
+    touch.area = spread_of_contact;
+    Vec3 tissue = Vec3::Zero();
+    for (std::size_t i = 0; i < 3; ++i)
+      tissue += contact.point.weights[static_cast<Eigen::Index>(i)] * motion_of_step_[contact.point.vertices[i].index()];
+    const Vec3 speed = (contact.partner_motion - tissue) / h;
+    touch.speed = speed.norm();
+    touch.angle = touch.speed > 1e-9 ? std::acos(std::clamp(speed.dot(contact.normal) / touch.speed, -1.0, 1.0)) : 0;
+    touch.edge = shape_owner_[contact.shape].second != 0;
+    touches.push_back(touch);
+  }
+  for (const InstrumentArm& arm : arms_) {
+    if (!arm.grasp) continue;
+    for (const Bruise& bruise : arm.grasp->bruises()) {
+      InjuryContact touch;
+      touch.point.vertices = {bruise.vertex, bruise.vertex, bruise.vertex};
+      touch.point.weights = Vec3::UnitX();
+      touch.point.tet = around_.tets[around_.start[bruise.vertex.index()]];
+      touch.force = bruise.force;
+      touch.area = std::max(bruise.area, 1e-8);
+      touches.push_back(touch);
+    }
+  }
+  const InjuryStep& step = injury_.step(h, model_.mesh(), touches);
+  if (!options_.fluids) return;
+  for (const BleedingOnset& onset : step.onsets) {
+    fluids_.injure(onset, model_.mesh());
+    say(EventKind::bleeding, -1, millilitres(onset.rate),
+        std::string("a tool broke the surface by ") + (onset.impact ? "its speed" : "its pressure"));
+  }
+}
+
+void World::update_fluids() {
+  // Whether a clip shuts its tube is looked at a few times a second: it looks at every tet.
+  if (!clips_.empty() && step_ % 6 == 0) {
+    closed_.assign(model_.mesh().tet_count(), 0);
+    for (const Clip& clip : clips_) {
+      if (clip.state() == ClipState::off) continue;
+      std::vector<std::int32_t> regions;
+      for (const TetId t : clip.tets()) regions.push_back(model_.mesh().regions[t.index()]);
+      std::sort(regions.begin(), regions.end());
+      regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+      for (const std::int32_t region : regions) {
+        if (!clip.closes(region, model_.mesh(), state_.positions)) continue;
+        for (const TetId t : clip.tets())
+          if (model_.mesh().regions[t.index()] == region) closed_[t.index()] = 1;
+      }
+    }
+  }
+  const double h = model_.dynamics().time_step;
+  fluids_.step(h, model_.mesh(), state_.positions, heat_.coagulation(), closed_);
+  for (const InstrumentArm& arm : arms_)
+    if (arm.geometry().kind == InstrumentKind::suction && arm.input().energy)
+      fluids_.suck(arm.to().position, suction_radius, suction_flow, h);
+}
+
+}  // namespace calot
