@@ -5,7 +5,9 @@
 
 #include <cmath>
 
+#include "calot/base/error.h"
 #include "calot/mesh/mesh_file.h"
+#include "tests/support/edits.h"
 #include "tests/support/files.h"
 #include "tests/support/models.h"
 
@@ -55,6 +57,20 @@ TEST(ModelFile, KeepsTheShareOfUniformMass) {
     model.apply({.removed = random_tets(mesh, mesh.tet_count() / 3, random.next()), .vertices = {}, .tets = {}});
     EXPECT_NEAR(written_and_read(model).uniform_share(), model.uniform_share(), 2.3e-16 * model.uniform_share());
   }
+}
+
+// What splits and heat leave behind: uneven shares and factors on the stiffness, to the last bit.
+TEST(ModelFile, KeepsUnevenMassesAndScaledStiffness) {
+  const TetMesh mesh = box_mesh(2, 2, 2, {1, 1, 1});
+  Model model(mesh, {{1, {}}}, std::vector<std::uint8_t>(mesh.vertex_count(), 0),
+              {.mass_lumping = MassLumping::uniform}, 0.7);
+  model.apply(random_bisections(mesh, 4, 3));
+  (void)model.scale_stiffness(std::vector{TetId(1), TetId(5)}, std::vector{1.0 / 3, 7.5});
+  ASSERT_FALSE(model.has_even_masses());
+  const Model read = written_and_read(model);
+  EXPECT_EQ(read.vertex_masses(), model.vertex_masses());
+  EXPECT_EQ(read.stiffness_scale(), model.stiffness_scale());
+  EXPECT_EQ(read.fingerprint(), model.fingerprint());
 }
 
 /// A model.toml over the box of 2 × 1 × 1 cubes, 20 × 10 × 10 mm, written in millimetres.
@@ -125,4 +141,24 @@ TEST_F(ModelText, AMeshElsewhereIsFoundFromTheModelsFolder) {
 }
 
 }  // namespace
+TEST_F(ModelText, RefusesListsThatDoNotFit) {
+  const std::string material = "[[material]]\nregion = \"*\"\nyoung = 1\npoisson = 0\n";
+  const auto refused = [&](const std::string& lines, const std::string& why) {
+    try {
+      load(lines + material);
+      ADD_FAILURE() << "accepted: " << lines;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
+  };
+  refused("stiffness_scale = [1.0, 2.0]\n", "has 2 values");
+  refused("stiffness_scale = [1.0, 0.0]\n", "numbers > 0");
+  refused("stiffness_scale = 3\n", "stiffness_scale");
+  refused("mass_lumping = \"uniform\"\nvertex_masses = [1.0]\n", "has 1 values");
+  std::string masses = "vertex_masses = [";
+  for (int v = 0; v < 27; ++v) masses += "1.0, ";
+  refused(masses + "]\n", "uniform");
+  EXPECT_EQ(load("mass_lumping = \"uniform\"\n" + masses + "]\n" + material).vertex_masses()[3], 1);
+}
+
 }  // namespace calot::test

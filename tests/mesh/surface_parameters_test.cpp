@@ -226,6 +226,72 @@ TEST(SurfaceParameters, CopiesHaveWhatTheirOriginalsHave) {
   EXPECT_EQ(down, 4);
 }
 
+// A vertex that slides along the surface stays on it: its place is the new one, its normal what the surface has there.
+TEST(SurfaceParameters, AMovedVertexTakesWhatTheSurfaceHasAtItsNewPlace) {
+  const Vec3 size{0.04, 0.04, 0.04};
+  TetMesh mesh = box_mesh(4, 4, 4, size);
+  const auto number = [](int i, int j, int k) { return VertexId(i + 5 * (j + 5 * k)); };
+  const TexturedSurface before = textured_surface(mesh, 0, sharpness);
+  const auto old = numbers(before.surface);
+  TopologyEdit edit;
+  const auto move = [&](VertexId v, VertexId to, double weight) {
+    edit.moved.push_back({v, to, weight, (1 - weight) * mesh.position(v) + weight * mesh.position(to)});
+  };
+  move(number(1, 0, 0), number(2, 0, 0), 0.4);  // along an edge of the box
+  move(number(2, 2, 0), number(3, 2, 0), 0.3);  // on a side
+  move(number(2, 2, 2), number(3, 2, 2), 0.2);  // inside
+  move(number(2, 2, 4), number(2, 2, 3), 0.2);  // off the surface: a dent
+  std::vector<VertexId> vertices;
+  for (const MovedVertex& moved : edit.moved) vertices.push_back(moved.vertex);
+  const Remap remap = apply(mesh, edit);
+  const TexturedSurface after = after_edit(before, mesh, remap, 0, sharpness);
+  expect_sound(after);
+  const auto now = numbers(after.surface);
+  EXPECT_EQ(std::count(after.exposed.begin(), after.exposed.end(), 1), 0);
+  EXPECT_EQ(now.size(), old.size());
+  EXPECT_LT((after.normals[now.at(vertices[1])] - Vec3(0, 0, -1)).norm(), 1e-12);
+  EXPECT_EQ(after.rest[now.at(vertices[1])], edit.moved[1].position);
+  const Vec3 between = 0.6 * before.normals[old.at(vertices[0])] + 0.4 * before.normals[old.at(edit.moved[0].to)];
+  EXPECT_LT((after.normals[now.at(vertices[0])] - between.normalized()).norm(), 1e-12);
+  EXPECT_EQ(after.rest[now.at(vertices[0])], edit.moved[0].position);
+  EXPECT_FALSE(now.contains(vertices[2]));
+  const TexturedSurface bare = textured_surface(mesh, 0, sharpness);
+  EXPECT_EQ(after.normals[now.at(vertices[3])], bare.normals[now.at(vertices[3])]);
+  for (const auto& [vertex, v] : old)
+    if (std::find(vertices.begin(), vertices.end(), vertex) == vertices.end()) {
+      EXPECT_EQ(before.normals[v], after.normals[now.at(vertex)]);
+    }
+}
+
+// A blade takes a vertex along and splits the faces beside it in the same edit.
+TEST(SurfaceParameters, PiecesOfAFaceWithAMovedCornerStayUnflagged) {
+  const Vec3 size{0.04, 0.04, 0.04};
+  TetMesh mesh = box_mesh(4, 4, 4, size);
+  const TexturedSurface before = textured_surface(mesh, 0, sharpness);
+  const VertexId middle(2 + 5 * 2), right(3 + 5 * 2), left(1 + 5 * 2);
+  TopologyEdit edit;
+  const Vec3 place = 0.7 * mesh.position(middle) + 0.3 * mesh.position(right);
+  edit.moved.push_back({middle, right, 0.3, place});
+  edit.vertices.push_back({0.5 * place + 0.5 * mesh.position(left), middle, left, 0.5});
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    const Tet& tet = mesh.tets[t];
+    if (std::find(tet.begin(), tet.end(), middle) == tet.end() || std::find(tet.begin(), tet.end(), left) == tet.end())
+      continue;
+    edit.removed.emplace_back(t);
+    for (const VertexId end : {middle, left}) {
+      Tet half = tet;
+      std::replace(half.begin(), half.end(), end, VertexId(mesh.vertex_count()));
+      edit.tets.push_back({half, TetId(t)});
+    }
+  }
+  const Remap remap = apply(mesh, edit);
+  const TexturedSurface after = after_edit(before, mesh, remap, 0, sharpness);
+  expect_sound(after);
+  EXPECT_EQ(std::count(after.exposed.begin(), after.exposed.end(), 1), 0);
+  const auto now = numbers(after.surface);
+  EXPECT_LT((after.normals[now.at(remap.added_vertices[0])] - Vec3(0, 0, -1)).norm(), 1e-12);
+}
+
 TEST(SurfaceParameters, PiecesOfASplitFaceStayUnflagged) {
   const Vec3 size{0.03, 0.03, 0.04};
   TetMesh mesh = box_mesh(3, 3, 4, size, CubeSplit::five);
