@@ -40,6 +40,7 @@ TissueProperties fat() {
   p.electrical_conductivity = 0.03;
   p.latent_heat = 0.2 * water_latent_heat;
   p.coagulated_stiffening = 1.5;
+  p.arrhenius = {4.43e16, 1.3e5};
   p.bleeding_pressure = 300e3;
   p.ooze_rate = 0.2 * ml / minute / square_centimetre;
   return p;
