@@ -58,7 +58,8 @@ double smallest_dot(const Box& a, const Box& b);
 /// box of normals: pairs of items whose normals can't face each other are then passed over whole subtrees at a time.
 class BoxTree {
  public:
-  void build(std::span<const Box> boxes);
+  /// @param normals  as boxes of one vector each, or empty: then items that look the same way are kept together
+  void build(std::span<const Box> boxes, std::span<const Box> normals = {});
   /// New boxes for the same items. @return sum of the leaves' areas as a share of what it was when built
   double refit(std::span<const Box> boxes, std::span<const Box> normals = {});
   [[nodiscard]] std::size_t size() const { return order_.size(); }
@@ -79,13 +80,14 @@ class BoxTree {
  private:
   [[nodiscard]] bool is_leaf(std::size_t node) const { return node + 1 >= leaves_; }
   [[nodiscard]] std::size_t begin_of(std::size_t leaf) const { return leaf * order_.size() / leaves_; }
-  void split(std::size_t node, std::size_t first_leaf, std::size_t last_leaf, std::span<const Vec3> middles);
+  using Place = std::array<double, 6>;  // twice the middle [m], and the normal as a length
+  void split(std::size_t node, std::size_t first_leaf, std::size_t last_leaf);
 
   std::size_t leaves_ = 1;            // a power of two; leaf l is node leaves_ − 1 + l
   std::vector<std::uint32_t> order_;  // items, leaf by leaf
   std::vector<Box> nodes_, normals_;  // 2·leaves_ − 1; children of i are 2i + 1 and 2i + 2
   std::vector<Box> boxes_;            // of the items, in the tree's order
-  std::vector<Vec3> middles_;         // kept for its memory
+  std::vector<Place> places_;         // of the items; kept for its memory
   double area_when_built_ = 0;
 };
 

@@ -156,9 +156,9 @@ void ContactSurface::refit(std::span<const Vec3> positions, std::span<const Vec3
     facing[i].add(normals_[i]);
   }
   // A tree whose leaves have grown, because parts moved apart, is worth building anew.
-  if (tree_is_stale_) tree_->build(boxes);
+  if (tree_is_stale_) tree_->build(boxes, facing);
   if (tree_->refit(boxes, facing) > 2 && !tree_is_stale_) {
-    tree_->build(boxes);
+    tree_->build(boxes, facing);
     tree_->refit(boxes, facing);
   }
   tree_is_stale_ = false;

@@ -85,7 +85,8 @@ std::vector<TissueContact> detect(ContactSurface& surface, std::span<const Vec3>
         throw InputError("contact shape " + std::to_string(s), "a piece has no radius or no corners");
   }
   surface.refit(positions, motion, options.margin);
-  std::vector<detail::Candidate> found;
+  thread_local std::vector<detail::Candidate> found;  // kept for its memory
+  found.clear();
   detail::find_shape_contacts(surface, partners.shapes, options, found);
   detail::find_still_contacts(surface, partners.still, options, found);
   if (options.self_contact) detail::find_self_contacts(surface, options, found);

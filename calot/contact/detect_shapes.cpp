@@ -114,8 +114,9 @@ class ShapeContacts {
     const double near = piece.radius + options_.margin;
     for (int k = 0; k <= samples_;) {
       const Corners corners = triangle_at(triangle, k);
-      double excess = at_least_apart(cores_[k], corners) - near;
-      if (excess <= 0) excess = look(piece, triangle, k, corners, best) - near;
+      bool behind = false;
+      double excess = at_least_apart(cores_[k], piece.corner_count, corners, behind) - near;
+      if (excess <= 0 && !behind) excess = look(piece, triangle, k, corners, best) - near;
       if (best.k >= 0 && best.closest.distance <= piece.radius) break;
       const double safe = speed > 0 ? std::max(0.0, excess) / speed * samples_ : double(samples_);
       k += std::max(1, static_cast<int>(std::min(safe, double(samples_ + 1))));
@@ -123,15 +124,13 @@ class ShapeContacts {
     if (best.k >= 0) touch(piece, triangle, best);
   }
 
-  /// A lower bound of the distance, quickly: between spheres, and from the triangle's plane.
-  [[nodiscard]] static double at_least_apart(const Corners& core, const Corners& corners) {
-    const Vec3 middle_a = (core[0] + core[1] + core[2]) / 3, middle_b = (corners[0] + corners[1] + corners[2]) / 3;
-    double radius_a = 0, radius_b = 0;
-    for (int c = 0; c < 3; ++c) {
-      radius_a = std::max(radius_a, (core[c] - middle_a).squaredNorm());
-      radius_b = std::max(radius_b, (corners[c] - middle_b).squaredNorm());
-    }
-    const double spheres = (middle_a - middle_b).norm() - std::sqrt(radius_a) - std::sqrt(radius_b);
+  /// A lower bound of how far the core is, quickly: to a sphere around the triangle, and to its plane. A core wholly
+  /// behind the plane sees the triangle from inside the tissue: it must come through the plane first.
+  [[nodiscard]] static double at_least_apart(const Corners& core, int count, const Corners& corners, bool& behind) {
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+    double radius = 0;
+    for (const Vec3& corner : corners) radius = std::max(radius, (corner - middle).squaredNorm());
+    const double sphere = (weighted(core, closest_on_simplex(middle, core, count)) - middle).norm() - std::sqrt(radius);
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Vec3& corner : core) {
@@ -139,7 +138,8 @@ class ShapeContacts {
       low = std::min(low, height);
       high = std::max(high, height);
     }
-    return std::max({spheres, low, -high});
+    behind = high < 0;
+    return std::max(sphere, low);
   }
 
   /// Measures a pair and keeps it in `best` if it is the closest so far that counts. @return its distance
