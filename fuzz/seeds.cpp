@@ -61,6 +61,49 @@ void write_patient_seeds(const fs::path& folder) {
   write(folder / "centrelines" / "table", "\1# by hand\nline cystic duct\n12.5 -3.0 41.0 1.4\n13.5, -3, 40, 1.5\n");
 }
 
+const char* const scene_toml = R"(title = "seed"
+length_unit = "mm"
+seconds = 2.0
+gravity = [0, 0, -9.81]
+cutting = "split"
+[[block]]
+region = "liver"
+size = [40, 20, 10]
+element_size = 10
+fixed = ["x-"]
+[[tube]]
+points = [[0, 0, 50], [30, 0, 50], [60, 0, 60]]
+radii = [2, 2, 6]
+regions = ["cystic duct", "gallbladder"]
+rings = 1
+fixed = ["first", "last"]
+[[region]]
+region = "*"
+body = "rigid"
+young = 5e3
+[[floor]]
+normal = [0, 0, 2]
+[[instrument]]
+name = "a"
+kind = "bowel grasper"
+port = [100, 0, 150]
+keyframes = [ { time = 0, tip = [0, 0, 20], roll = 90, opening = 30, grip = 1 }, { time = 1, fire = true } ]
+[[instrument]]
+name = "b"
+kind = "hook"
+poses = "p.csv"
+[contact]
+self_contact = false
+[haptics]
+instrument = "a"
+)";
+
+void write_scene_seeds(const fs::path& folder) {
+  write(folder / "scene_toml" / "whole", scene_toml);
+  write(folder / "poses" / "whole",
+        "time,x,y,z,qw,qx,qy,qz,opening,grip,energy,fire\n0,1,2,3,1,0,0,0,30,2,0,0\n0.5,1,2,4,0,1,0,0,0,2,1,1\n");
+}
+
 const char* const nrrd_header = R"(NRRD0005
 # a comment
 type: unsigned short
@@ -104,6 +147,7 @@ void write_all(const fs::path& folder) {
   write(folder / "dicom" / "compressed", dicom(true));
   write(folder / "dicom" / "implicit", dicom(false));
   write_patient_seeds(folder);
+  write_scene_seeds(folder);
   TetMesh mesh = test::two_tets();
   mesh.region_names = {{1, "one"}, {2, "number two"}};
   const std::vector<VertexArray> arrays{{"u", 1, {1, 2, 3, 4, 5}}};

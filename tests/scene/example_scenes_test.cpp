@@ -1,0 +1,38 @@
+// The example scenes are read, short, and give sound tissue.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "calot/mesh/quality.h"
+#include "calot/scene/scene_file.h"
+#include "calot/scene/tissue.h"
+#include "tests/support/files.h"
+
+namespace calot::test {
+namespace {
+
+TEST(ExampleScenes, AreReadAndShort) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(CALOT_SOURCE_DIR "/examples/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    SCOPED_TRACE(entry.path());
+    const std::string text = read_bytes(entry.path());
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60);
+    const Scene scene = read_scene(entry.path());
+    EXPECT_FALSE(scene.title.empty());
+    EXPECT_GT(scene.steps, 0u);
+    const SceneTissue tissue = load_tissue(scene);
+    EXPECT_EQ(validate(tissue.model.mesh()).describe(), "");
+    EXPECT_GT(tissue.model.mesh().tet_count(), 100u);
+    EXPECT_LT(tissue.model.mesh().tet_count(), 20000u);
+    for (const SceneInstrument& tool : scene.instruments)
+      for (double t = 0; t < scene.time_step * static_cast<double>(scene.steps); t += 0.05)
+        EXPECT_TRUE(input_at(tool.script, 0.02, port_of(tool, tissue), t).pose.position.allFinite());
+    ++count;
+  }
+  EXPECT_GE(count, 5);
+}
+
+}  // namespace
+}  // namespace calot::test
