@@ -107,7 +107,10 @@ void World::cut_with_scissors(std::size_t k) {
     options.stroke = &arm.stroke;
     options.fixed = model_.fixed();
     SplitEdit cut = calot::split(model_.mesh(), around_, state_.positions, sweep, options);
-    if (cut.empty()) return;
+    if (cut.empty()) {
+      arm.stroke = cut.report.stroke;  // vertices may lie on the blade as they are
+      return;
+    }
     // The stroke's new numbers count from the edit's: `edit` follows them like all others, so it is set apart.
     const Stroke next = cut.report.stroke;
     const std::size_t before = changes_.size();
