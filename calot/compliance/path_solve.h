@@ -42,4 +42,64 @@ void forward_on_path(const Factor& factor, std::span<const std::uint32_t> path, 
   }
 }
 
+// The same arithmetic for wider registers where the processor has them; without contraction the bits are the same.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define CALOT_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define CALOT_WIDE
+#endif
+
+/// y ← y − three columns of a panel times x: y is read and written once for all of them.
+void subtract_three(float* y, const float* a, std::size_t ld, const float* x, std::size_t count);
+void subtract_three(double* y, const double* a, std::size_t ld, const double* x, std::size_t count);
+/// aᵀ x, summed in sixteen interleaved parts, so that the order doesn't depend on the width of the registers.
+float interleaved_dot(const float* a, const float* x, std::size_t count);
+double interleaved_dot(const double* a, const double* x, std::size_t count);
+
+/// x ← L⁻¹ x for one vector, on one thread; `work` is grown once.
+template <class Real, class Factor>
+void forward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
+  const FactorPattern& f = factor.pattern();
+  work.resize(std::max(work.size(), factor.size()));
+  for (std::size_t s = 0; s < f.supernodes(); ++s) {
+    const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
+    const Real* panel = factor.panel(s);
+    Real* y = x + 3 * std::size_t{f.super_start[s]};
+    std::fill_n(work.begin(), below, Real{0});
+    for (std::size_t j = 0; j < own; j += 3) {  // a vertex at a time
+      const Real* c = panel + j * ld;
+      y[j] /= c[j];
+      y[j + 1] = (y[j + 1] - c[j + 1] * y[j]) / c[ld + j + 1];
+      y[j + 2] = (y[j + 2] - c[j + 2] * y[j] - c[ld + j + 2] * y[j + 1]) / c[2 * ld + j + 2];
+      subtract_three(y + j + 3, c + j + 3, ld, y + j, own - j - 3);
+      subtract_three(work.data(), c + own, ld, y + j, below);
+    }
+    const std::span<const std::uint32_t> rows = f.rows_of(s);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t a = 0; a < 3; ++a) x[3 * std::size_t{rows[i]} + a] += work[3 * i + a];
+  }
+}
+
+/// x ← L⁻ᵀ x for one vector.
+template <class Real, class Factor>
+void backward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
+  const FactorPattern& f = factor.pattern();
+  work.resize(std::max(work.size(), factor.size()));
+  for (std::size_t s = f.supernodes(); s-- > 0;) {
+    const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
+    const Real* panel = factor.panel(s);
+    Real* y = x + 3 * std::size_t{f.super_start[s]};
+    const std::span<const std::uint32_t> rows = f.rows_of(s);
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t a = 0; a < 3; ++a) work[3 * i + a] = x[3 * std::size_t{rows[i]} + a];
+    for (std::size_t j = own; j-- > 0;) {
+      const Real* c = panel + j * ld;
+      const Real sum =
+          interleaved_dot(c + j + 1, y + j + 1, own - j - 1) + interleaved_dot(c + own, work.data(), below);
+      y[j] = (y[j] - sum) / c[j];
+    }
+  }
+}
+
 }  // namespace calot::detail

@@ -24,9 +24,11 @@ bool keeps_pattern(const Remap& remap) {
 
 }  // namespace
 
-ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tissue, const RefreshOptions& options)
+ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tissue, std::span<const Spring> springs,
+                                     const RefreshOptions& options)
     : options_(options) {
-  const BaseRequest request{model, tissue.rotations(), {}, {}, nullptr};
+  pairs_ = pairs_of(springs);
+  const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
   present_ = std::make_unique<WarpedCompliance>(request);
   present_->set_base(make_base(request));
   pattern_ = present_->base().pattern;
@@ -57,10 +59,11 @@ void ComplianceRefresh::start(std::uint64_t step, const Model& model, const Coro
                               std::span<const Spring> springs, std::vector<VertexId> likely) {
   if (!start_is_due(step)) return;
   next_pairs_ = pairs_of(springs);
-  const bool fits = pattern_fits_ && std::includes(pairs_.begin(), pairs_.end(), next_pairs_.begin(), next_pairs_.end());
+  const bool fits =
+      pattern_fits_ && std::includes(pairs_.begin(), pairs_.end(), next_pairs_.begin(), next_pairs_.end());
   if (fits) next_pairs_ = pairs_;
-  BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, std::move(likely),
-                      fits ? pattern_ : nullptr};
+  BaseRequest request{
+      model, tissue.rotations(), {springs.begin(), springs.end()}, std::move(likely), fits ? pattern_ : nullptr};
   next_ = std::make_unique<WarpedCompliance>(request);
   next_pattern_fits_ = true;
   adopt_at_ = step + static_cast<std::uint64_t>(options_.latency);

@@ -11,15 +11,17 @@ namespace calot {
 
 struct RefreshOptions {
   int interval = 8;  ///< steps from one start to the next, ≥ latency
-  int latency = 6;   ///< steps from a start until its result is adopted, ≥ 1: fixed, so that a replay gives the same bits
+  int latency =
+      6;  ///< steps from a start until its result is adopted, ≥ 1: fixed, so that a replay gives the same bits
 };
 
 /// The present compliance and, most of the time, one on its way. A result is adopted at its step whether or not it is
 /// there: if it isn't, the step waits, and the time it waited is reported.
 class ComplianceRefresh {
  public:
-  /// Factors at once.
-  ComplianceRefresh(const Model& model, const Corotational& tissue, const RefreshOptions& options);
+  /// Factors at once, with the springs that hold tissue for good.
+  ComplianceRefresh(const Model& model, const Corotational& tissue, std::span<const Spring> springs,
+                    const RefreshOptions& options);
   ~ComplianceRefresh();
   ComplianceRefresh(ComplianceRefresh&&) noexcept = default;
   ComplianceRefresh& operator=(ComplianceRefresh&&) noexcept = default;

@@ -57,8 +57,9 @@ inline void matrix_of(const std::array<Lane, 4>& q, std::array<Lane, 9>& r) {
   }
 }
 
-// One step of Newton's method towards the rotation that maximises tr(RᵀF): (tr S · I − sym S) ω = axial(S), R ← R exp ω.
-// Where that matrix is not safely positive (a tet about to turn inside out) the step goes along the axial vector alone.
+// One step of Newton's method towards the rotation that maximises tr(RᵀF): (tr S · I − sym S) ω = axial(S), R ← R exp
+// ω. Where that matrix is not safely positive (a tet about to turn inside out) the step goes along the axial vector
+// alone.
 // @return the largest |ω|
 inline double newton_step(const std::array<Lane, 9>& s, std::array<Lane, 4>& q) {
   Lane size;
@@ -157,9 +158,9 @@ double Corotational::block_energy(const Block& block, const BlockRotation& rotat
   unrotate(rotation.matrix, f, s);
   stress_of(s, block.lambda, block.two_mu, 1, p);
   double sum = 0;
-  CALOT_LANES sum += 0.5 * (p[0][l] * (s[0][l] - 1) + p[1][l] * (s[4][l] - 1) + p[2][l] * (s[8][l] - 1) +
-                            p[3][l] * (s[1][l] + s[3][l]) + p[4][l] * (s[5][l] + s[7][l]) +
-                            p[5][l] * (s[2][l] + s[6][l]));
+  CALOT_LANES sum +=
+      0.5 * (p[0][l] * (s[0][l] - 1) + p[1][l] * (s[4][l] - 1) + p[2][l] * (s[8][l] - 1) +
+             p[3][l] * (s[1][l] + s[3][l]) + p[4][l] * (s[5][l] + s[7][l]) + p[5][l] * (s[2][l] + s[6][l]));
   return sum;
 }
 

@@ -24,7 +24,8 @@ class Corotational {
 
   /// f = elastic force [N] on every vertex at `positions` with the rotations as they are; n each.
   void force(std::span<const Vec3> positions, std::span<Vec3> out) const;
-  /// y = K_R d: elastic stiffness in the rotated frames times displacements [m], with the rotations as they are; n each.
+  /// y = K_R d: elastic stiffness in the rotated frames times displacements [m], with the rotations as they are; n
+  /// each.
   void multiply(std::span<const Vec3> displacements, std::span<Vec3> out) const;
 
   /// Elastic energy [J] at `positions` with the rotations as they are.
@@ -43,14 +44,14 @@ class Corotational {
  private:
   static constexpr std::size_t lanes = 8;
   using Lane = std::array<double, lanes>;
-  struct Block {                                       // of eight tets; unused lanes have no stiffness
+  struct Block {  // of eight tets; unused lanes have no stiffness
     std::array<std::array<std::uint32_t, lanes>, 4> vertex;
-    std::array<Lane, 9> gradient;                      // of corners 1, 2, 3 [1/m], row-major by corner
-    Lane lambda, two_mu;                               // times the volume [J]
+    std::array<Lane, 9> gradient;  // of corners 1, 2, 3 [1/m], row-major by corner
+    Lane lambda, two_mu;           // times the volume [J]
   };
   struct BlockRotation {
-    std::array<Lane, 4> quaternion;                    // w, x, y, z
-    std::array<Lane, 9> matrix;                        // row-major
+    std::array<Lane, 4> quaternion;  // w, x, y, z
+    std::array<Lane, 9> matrix;      // row-major
   };
   enum class Product { force, linear };
   template <Product product>
@@ -65,8 +66,8 @@ class Corotational {
   std::size_t tet_count_ = 0, vertex_count_ = 0;
   std::vector<Block> blocks_;
   std::vector<BlockRotation> rotations_;
-  std::vector<std::uint32_t> corner_start_, corner_;   // of each vertex: where its corners' forces stand, tets ascending
-  mutable std::vector<double> corner_forces_;          // 3 for each corner of each tet
+  std::vector<std::uint32_t> corner_start_, corner_;  // of each vertex: where its corners' forces stand, tets ascending
+  mutable std::vector<double> corner_forces_;         // 3 for each corner of each tet
 };
 
 }  // namespace calot

@@ -53,8 +53,8 @@ Eigen::MatrixXd WarpedCompliance::touched_by(std::span<const ContactRows> contac
     if (on_path[base_->pattern->super_of[rows[i] / 3]])
       for (std::size_t k = 0; k < columns; ++k)
         packed(static_cast<Index>(i), static_cast<Index>(k)) = spread_[n * k + rows[i]];
-  Eigen::MatrixXf seen(touched_columns_.cols(), static_cast<Index>(columns));
-  blas::gemm('T', 'N', size(seen.rows()), columns, rows.size(), 1.0f, touched_columns_.data(), rows.size(),
+  Eigen::MatrixXf seen(single_.columns.cols(), static_cast<Index>(columns));
+  blas::gemm('T', 'N', size(seen.rows()), columns, rows.size(), 1.0f, single_.columns.data(), rows.size(),
              packed.data(), rows.size(), 0.0f, seen.data(), size(seen.rows()));
   Eigen::MatrixXd result = seen.cast<double>();
   for (std::size_t k = 0; k < contacts.size(); ++k)

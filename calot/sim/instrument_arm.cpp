@@ -13,9 +13,14 @@ InstrumentArm::InstrumentArm(InstrumentSetup setup)
       opening_to_(setup_.start.opening) {
   switch (setup_.geometry.kind) {
     case InstrumentKind::bowel_grasper:
-    case InstrumentKind::curved_forceps: grasp.emplace(setup_.geometry, setup_.start.opening); break;
-    case InstrumentKind::scissors: scissors.emplace(setup_.geometry, setup_.start.opening); break;
-    default: break;
+    case InstrumentKind::curved_forceps:
+      grasp.emplace(setup_.geometry, setup_.start.opening);
+      break;
+    case InstrumentKind::scissors:
+      scissors.emplace(setup_.geometry, setup_.start.opening);
+      break;
+    default:
+      break;
   }
 }
 

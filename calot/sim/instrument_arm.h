@@ -12,9 +12,9 @@ namespace calot {
 struct InstrumentSetup {
   std::string name;
   InstrumentGeometry geometry;
-  InstrumentInput start;   ///< where it is before the first step
-  double friction = 0.1;   ///< Coulomb's coefficient against tissue
-  double power = 30;       ///< of cautery [W]
+  InstrumentInput start;  ///< where it is before the first step
+  double friction = 0.1;  ///< Coulomb's coefficient against tissue
+  double power = 30;      ///< of cautery [W]
 };
 
 /// A plain value. A step: `take`, then parts, grasp and scissors as the world needs them.
@@ -43,11 +43,11 @@ class InstrumentArm {
   /// The parts as moving shapes: shaft, and jaws where they touch; each with its number (0 shaft, 1 jaw a, 2 jaw b).
   void add_shapes(std::vector<MovingShape>& shapes, std::vector<std::uint8_t>& parts) const;
 
-  std::optional<Grasp> grasp;        ///< graspers and forceps
+  std::optional<Grasp> grasp;  ///< graspers and forceps
   std::optional<Scissors> scissors;
-  Stroke stroke;                     ///< of the scissors
+  Stroke stroke;                                                             ///< of the scissors
   bool held_before = false, slipped_before = false, bruised_before = false;  ///< what the last step saw, for events
-  Vec3 force = Vec3::Zero();         ///< of the tissue on the instrument, in the last step [N]
+  Vec3 force = Vec3::Zero();  ///< of the tissue on the instrument, in the last step [N]
 
   void append_state(std::string& bytes) const;
 

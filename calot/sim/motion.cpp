@@ -108,8 +108,7 @@ SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Precondi
   return report;
 }
 
-SolverReport Motion::solve_free(const Preconditioner& preconditioner, const SolverOptions& options,
-                                std::span<Vec3> d) {
+SolverReport Motion::solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d) {
   return conjugate_gradients(b_, preconditioner, options, std::sqrt(dot(b_, b_)), true, d);
 }
 
@@ -117,8 +116,7 @@ SolverReport Motion::add_response(std::span<const Vec3> f, std::span<const Vec3>
                                   const Preconditioner& preconditioner, const SolverOptions& options,
                                   std::span<Vec3> d) {
   std::copy(guess.begin(), guess.end(), response_.begin());
-  const SolverReport report =
-      conjugate_gradients(f, preconditioner, options, std::sqrt(dot(f, f)), false, response_);
+  const SolverReport report = conjugate_gradients(f, preconditioner, options, std::sqrt(dot(f, f)), false, response_);
   for (std::size_t v = 0; v < d.size(); ++v) d[v] += response_[v];
   return report;
 }
@@ -131,9 +129,8 @@ double Motion::finish(const TissueState& before, const TissueState& after, std::
   std::vector<Vec3>& missing = r_;
   for (std::size_t v = 0; v < missing.size(); ++v) {
     const Vec3& velocity = after.velocities[v];
-    missing[v] =
-        masses_[v] * ((velocity - before.velocities[v]) / h - gravity_ + dynamics_.rayleigh_mass * velocity) -
-        elastic_[v] + dynamics_.rayleigh_stiffness * q_[v];
+    missing[v] = masses_[v] * ((velocity - before.velocities[v]) / h - gravity_ + dynamics_.rayleigh_mass * velocity) -
+                 elastic_[v] + dynamics_.rayleigh_stiffness * q_[v];
     if (!external_.empty()) missing[v] -= external_[v];
     if (!contact.empty()) missing[v] -= contact[v];
   }

@@ -24,8 +24,8 @@ struct SolverReport {
 /// z ≈ Â⁻¹ r, symmetric positive definite; n vectors each.
 using Preconditioner = std::function<void(std::span<const Vec3> r, std::span<Vec3> z)>;
 
-/// Â d = b of one step, with Â = ((1 + hα) M + (h² + hβ) K_R)/h² + springs and d the displacement within the step; fixed
-/// vertices stay. Tissue is what `Corotational` says at the rotations it has. Source: docs/simulation.md.
+/// Â d = b of one step, with Â = ((1 + hα) M + (h² + hβ) K_R)/h² + springs and d the displacement within the step;
+/// fixed vertices stay. Tissue is what `Corotational` says at the rotations it has. Source: docs/simulation.md.
 class Motion {
  public:
   Motion() = default;
@@ -37,8 +37,8 @@ class Motion {
   /// b = M v/h + f_elastic(x) + M g + f_external + springs.
   void begin(const Corotational& tissue, const TissueState& state, const Vec3& gravity, std::span<const Spring> springs,
              std::span<const Vec3> external);
-  /// The displacement d of the begun step, by conjugate gradients from rest: were the cap on iterations to bind, a start
-  /// from rest loses energy, never gains it.
+  /// The displacement d of the begun step, by conjugate gradients from rest: were the cap on iterations to bind, a
+  /// start from rest loses energy, never gains it.
   SolverReport solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d);
   /// Adds Â⁻¹ f to d, by conjugate gradients from `guess`, its estimate.
   SolverReport add_response(std::span<const Vec3> f, std::span<const Vec3> guess, const Preconditioner& preconditioner,
@@ -47,8 +47,8 @@ class Motion {
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
   /// Ends the begun step, whose displacements were d, once `tissue` (the same object) has been turned for the new
-  /// positions. @return how far the linear step is from the true corotational one: ‖M (v' − v)/h − all forces at the end
-  /// of the step, rotations and elastic forces taken anew‖ / ‖b‖. `contact`: contact forces [N], n or empty.
+  /// positions. @return how far the linear step is from the true corotational one: ‖M (v' − v)/h − all forces at the
+  /// end of the step, rotations and elastic forces taken anew‖ / ‖b‖. `contact`: contact forces [N], n or empty.
   double finish(const TissueState& before, const TissueState& after, std::span<const Vec3> contact);
 
   [[nodiscard]] const std::vector<double>& masses() const { return masses_; }

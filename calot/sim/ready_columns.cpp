@@ -83,14 +83,18 @@ void ReadyColumns::extend_compliance(const Chunk& fresh) {
   gram_.block(before, before, width, width) = product(fresh);
 }
 
-void ReadyColumns::copy(std::int32_t first, std::size_t rows, float* to) const {
+template <class Real>
+void ReadyColumns::copy(std::int32_t first, std::size_t rows, Real* to) const {
   const auto chunk = std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), Index{first},
                                                 [](Index k, const Chunk& c) { return k < c.first; }));
   for (Index c = 0; c < 3; ++c) {
     const auto column = chunk->columns.col(first - chunk->first + c);
-    for (Index i = 0; i < column.size(); ++i) to[c * static_cast<Index>(rows) + i] = static_cast<float>(column[i]);
-    std::fill(to + c * static_cast<Index>(rows) + column.size(), to + (c + 1) * static_cast<Index>(rows), 0.0f);
+    for (Index i = 0; i < column.size(); ++i) to[c * static_cast<Index>(rows) + i] = static_cast<Real>(column[i]);
+    std::fill(to + c * static_cast<Index>(rows) + column.size(), to + (c + 1) * static_cast<Index>(rows), Real{0});
   }
 }
+
+template void ReadyColumns::copy<float>(std::int32_t, std::size_t, float*) const;
+template void ReadyColumns::copy<double>(std::int32_t, std::size_t, double*) const;
 
 }  // namespace calot

@@ -87,8 +87,7 @@ std::unique_ptr<WarpedBase> make_base(const BaseRequest& request) {
   auto base = std::make_unique<WarpedBase>();
   std::vector<std::uint8_t> active(model.fixed().size());
   std::transform(model.fixed().begin(), model.fixed().end(), active.begin(), [](std::uint8_t f) { return f == 0; });
-  base->pattern =
-      request.pattern ? request.pattern : std::make_shared<const FactorPattern>(analyse(matrix, active));
+  base->pattern = request.pattern ? request.pattern : std::make_shared<const FactorPattern>(analyse(matrix, active));
   base->factor = SparseFactor(base->pattern, matrix, active);
   base->single = FloatFactor(base->factor);
   base->row_of_slot.assign(active.size(), -1);

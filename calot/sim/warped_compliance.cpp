@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "calot/base/parallel.h"
-#include "calot/compliance/blas.h"
+#include "calot/compliance/path_solve.h"
 
 namespace calot {
 namespace {
@@ -68,13 +68,22 @@ WarpedCompliance::WarpedCompliance(const BaseRequest& request)
   for (const Spring& spring : request.springs) springs_.push_back(entry_of(spring));
 }
 
-void WarpedCompliance::Change::add(std::uint32_t a, std::uint32_t b, const Mat3& block) {
+void WarpedCompliance::Change::add(std::uint32_t a, std::uint32_t b, const Mat3& value, bool leaves) {
   for (const std::uint32_t slot : {a, b})
     if (place[slot] < 0) {
       place[slot] = static_cast<std::int32_t>(slots.size());
       slots.push_back(slot);
     }
-  blocks.push_back({{a, b}, block});
+  blocks.push_back({a, b, value, leaves});
+}
+
+Eigen::MatrixXd WarpedCompliance::Change::sum(double kept) const {
+  const Index width = 3 * static_cast<Index>(slots.size());
+  Eigen::MatrixXd delta = Eigen::MatrixXd::Zero(width, width);
+  for (const Block& block : blocks)
+    delta.block<3, 3>(3 * Index{place[block.a]}, 3 * Index{place[block.b]}) +=
+        block.leaves ? Mat3((1 - kept) * block.value) : block.value;
+  return delta;
 }
 
 const Eigen::Quaterniond& WarpedCompliance::base_rotation(std::uint32_t slot) const {
@@ -110,8 +119,7 @@ void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const R
   for (std::uint32_t s = first_new; s < origin_.size(); ++s)
     if (free(s)) pending_.add(s, s, -own_stiffness_ * Mat3::Identity());
   for (const VertexId v : remap.orphaned)
-    if (const std::uint32_t s = slots_before[v.index()]; free(s))
-      pending_.add(s, s, own_stiffness_ * Mat3::Identity());
+    if (const std::uint32_t s = slots_before[v.index()]; free(s)) pending_.add(s, s, own_stiffness_ * Mat3::Identity());
   for (const ElementChange& change : changes) {
     const Mat3 r = tet_rotation_[change.tet.index()].toRotationMatrix();
     const std::vector<std::uint32_t>& slot_of = change.enters ? slot_of_vertex_ : slots_before;
@@ -121,7 +129,7 @@ void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const R
                             sb = slot_of[change.vertices[static_cast<std::size_t>(b)].index()];
         if (!free(sa) || !free(sb)) continue;
         const Mat3 block = r * change.stiffness.block<3, 3>(3 * a, 3 * b) * r.transpose();
-        pending_.add(sa, sb, change.enters ? block : Mat3(-block));
+        pending_.add(sa, sb, change.enters ? block : Mat3(-block), !change.enters);
       }
   }
   std::vector<Eigen::Quaterniond> rotations(remap.tet_to_old.size(), Eigen::Quaterniond::Identity());
@@ -134,11 +142,12 @@ void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const R
 
 void WarpedCompliance::add_spring(const SpringEntry& spring, double sign) {
   const bool a = free(spring.a), b = spring.b != none && free(spring.b);
-  if (a) pending_.add(spring.a, spring.a, sign * spring.stiffness);
-  if (b) pending_.add(spring.b, spring.b, sign * spring.stiffness);
+  const bool leaves = sign < 0;
+  if (a) pending_.add(spring.a, spring.a, sign * spring.stiffness, leaves);
+  if (b) pending_.add(spring.b, spring.b, sign * spring.stiffness, leaves);
   if (a && b) {
-    pending_.add(spring.a, spring.b, -sign * spring.stiffness);
-    pending_.add(spring.b, spring.a, -sign * spring.stiffness);
+    pending_.add(spring.a, spring.b, -sign * spring.stiffness, leaves);
+    pending_.add(spring.b, spring.a, -sign * spring.stiffness, leaves);
   }
 }
 
@@ -158,7 +167,8 @@ void WarpedCompliance::set_springs(std::span<const Spring> springs) {
   std::vector<std::uint8_t> kept(springs_.size(), 0);
   std::vector<SpringEntry> fresh, all;
   for (const SpringEntry& spring : now) {
-    const auto old = std::find_if(springs_.begin(), springs_.end(), [&](const SpringEntry& s) { return same(spring, s); });
+    const auto old =
+        std::find_if(springs_.begin(), springs_.end(), [&](const SpringEntry& s) { return same(spring, s); });
     if (old != springs_.end() && !kept[static_cast<std::size_t>(old - springs_.begin())]) {
       kept[static_cast<std::size_t>(old - springs_.begin())] = 1;
       all.push_back(*old);
@@ -174,7 +184,7 @@ void WarpedCompliance::set_springs(std::span<const Spring> springs) {
 
 void WarpedCompliance::set_base(std::unique_ptr<WarpedBase> base) {
   base_ = std::move(base);
-  x_.resize(base_->single.size());
+  precise_ = false;
 }
 
 std::vector<std::uint32_t> WarpedCompliance::touched_rows(const WarpedBase& base) const {
@@ -187,8 +197,7 @@ std::vector<std::uint32_t> WarpedCompliance::touched_rows(const WarpedBase& base
 }
 
 // C0 between slots; later ones are alone with 1/σ.
-Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a,
-                                             std::span<const std::uint32_t> b) const {
+Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const {
   Eigen::MatrixXd block = Eigen::MatrixXd::Zero(3 * static_cast<Index>(a.size()), 3 * static_cast<Index>(b.size()));
   const auto column = [&](std::uint32_t slot) {
     return slot < base_slots_ ? base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[slot])) : -1;
@@ -208,6 +217,27 @@ Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a,
   return block;
 }
 
+// k = δ (I + C δ)⁻¹. Tissue that comes off, held by nothing but its mass, makes that matrix nearly singular, more so
+// than single precision bears, and in the end double precision: then a trace of what leaves stays, until the next base.
+Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
+  constexpr double most_in_single = 20, most_in_double = 1e7, kept_share = 1e-6;
+  double amplified = 0;
+  const auto attempt = [&](double kept) {
+    const Eigen::MatrixXd delta = pending_.sum(kept);
+    Eigen::MatrixXd system = product(compliance, delta);
+    system.diagonal().array() += 1;
+    const Eigen::MatrixXd inverse =
+        system.partialPivLu().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
+    amplified = inverse.cwiseAbs().maxCoeff();
+    const Eigen::MatrixXd k = product(delta, inverse);
+    return Eigen::MatrixXd(0.5 * (k + k.transpose()));
+  };
+  Eigen::MatrixXd k = attempt(0);
+  if (!(amplified < most_in_double)) k = attempt(kept_share);
+  precise_ = precise_ || amplified > most_in_single;
+  return k;
+}
+
 // K' = K + V k Vᵀ for the change δ on the slots U, with C' the compliance before it:
 // k = δ (I + C'_UU δ)⁻¹ and C'_:U = C0_:T V, so that V = [−K C0_TU; 1 at U].
 void WarpedCompliance::settle() {
@@ -218,18 +248,11 @@ void WarpedCompliance::settle() {
     if (slot < base_slots_) rows.push_back(static_cast<std::uint32_t>(base_->row_of_slot[slot]));
   base_->ready.add(base_->factor, rows);
   const Index width = 3 * static_cast<Index>(slots.size()), before = 3 * static_cast<Index>(touched_.size());
-  Eigen::MatrixXd delta = Eigen::MatrixXd::Zero(width, width);
-  for (const auto& [at, block] : pending_.blocks)
-    delta.block<3, 3>(3 * Index{pending_.place[at[0]]}, 3 * Index{pending_.place[at[1]]}) += block;
   const Eigen::MatrixXd across = base_block(touched_, slots);
   const Eigen::MatrixXd through = product(correction_, across);
   Eigen::MatrixXd compliance = base_block(slots, slots);
   if (before > 0) compliance -= product(across.transpose(), through);
-  Eigen::MatrixXd system = product(compliance, delta);
-  system.diagonal().array() += 1;
-  // k = δ X⁻¹, from Xᵀ kᵀ = δ.
-  Eigen::MatrixXd k = system.transpose().partialPivLu().solve(delta);
-  k = (0.5 * (k + k.transpose())).eval();
+  const Eigen::MatrixXd k = middle(compliance);
 
   for (const std::uint32_t slot : slots)
     if (place_[slot] < 0) {
@@ -247,25 +270,26 @@ void WarpedCompliance::settle() {
   for (const std::uint32_t slot : slots) pending_.place[slot] = -1;
   pending_.slots.clear();
   pending_.blocks.clear();
-  gather_touched();
+  gather_touched(single_);
+  if (precise_) gather_touched(double_);
 }
 
-void WarpedCompliance::gather_touched() {
+template <class Real>
+void WarpedCompliance::gather_touched(Solver<Real>& solver) {
   const std::size_t rows = base_->ready.rows().size();
   const auto columns = 3 * static_cast<Index>(touched_.size());
-  if (touched_columns_.rows() != static_cast<Index>(rows) || touched_columns_.cols() != columns)
-    touched_columns_.resize(static_cast<Index>(rows), columns);
+  solver.columns.resize(static_cast<Index>(rows), columns);
   for (std::size_t k = 0; k < touched_.size(); ++k) {
-    float* to = touched_columns_.data() + 3 * k * rows;
+    Real* to = solver.columns.data() + 3 * k * rows;
     if (touched_[k] < base_slots_)
       base_->ready.copy(base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[k]])), rows, to);
     else
-      std::fill_n(to, 3 * rows, 0.0f);
+      std::fill_n(to, 3 * rows, Real{0});
   }
-  correction_single_ = correction_.cast<float>();
-  packed_.resize(static_cast<Index>(rows));
-  at_touched_.resize(columns);
-  held_.resize(columns);
+  solver.correction = correction_.cast<Real>();
+  solver.packed.resize(static_cast<Index>(rows));
+  solver.at_touched.resize(columns);
+  solver.held.resize(columns);
 }
 
 void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations) {
@@ -274,52 +298,63 @@ void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations
     turn_[v] = (vertex_rotations[v] * base_rotation(slot_of_vertex_[v]).conjugate()).toRotationMatrix();
 }
 
-// C0_T: f from the packed L⁻¹ P f; later slots stand alone.
-void WarpedCompliance::touched_part(std::span<const Vec3> f) {
-  const auto rows = static_cast<std::size_t>(touched_columns_.rows()), columns = 3 * touched_.size();
-  blas::gemv('T', rows, columns, touched_columns_.data(), rows, packed_.data(), at_touched_.data());
+// K C0_T: f from the packed L⁻¹ P f; later slots stand alone.
+template <class Real>
+void WarpedCompliance::hold(Solver<Real>& solver, std::span<const Vec3> f) const {
+  const auto rows = static_cast<std::size_t>(solver.columns.rows()), columns = 3 * touched_.size();
+  blas::gemv('T', rows, columns, solver.columns.data(), rows, solver.packed.data(), solver.at_touched.data());
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const std::uint32_t slot = touched_[k];
     if (slot < base_slots_) continue;
-    const std::uint32_t v = vertex_of_slot_[slot];
-    at_touched_.segment<3>(3 * static_cast<Index>(k)) =
-        v == none ? Eigen::Vector3f(Eigen::Vector3f::Zero())
-                  : Eigen::Vector3f((turn_[v].transpose() * f[v] / own_stiffness_).cast<float>());
+    auto target = solver.at_touched.template segment<3>(3 * static_cast<Index>(k));
+    target.setZero();
+    if (const std::uint32_t v = vertex_of_slot_[slot]; v != none)
+      target = (turn_[v].transpose() * f[v] / own_stiffness_).template cast<Real>();
   }
-  blas::gemv('N', columns, columns, correction_single_.data(), columns, at_touched_.data(), held_.data());
+  blas::gemv('N', columns, columns, solver.correction.data(), columns, solver.at_touched.data(), solver.held.data());
 }
 
-void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
-  std::fill(x_.begin(), x_.end(), 0.0f);
+template <class Real, class Factor>
+void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, std::span<const Vec3> f,
+                                  std::span<Vec3> x) const {
+  solver.x.assign(factor.size(), Real{0});
   for (std::size_t v = 0; v < f.size(); ++v) {
     const std::uint32_t slot = slot_of_vertex_[v];
     if (slot >= base_slots_ || base_->row_of_slot[slot] < 0) continue;
     const Vec3 turned = turn_[v].transpose() * f[v];
     for (int i = 0; i < 3; ++i)
-      x_[static_cast<std::size_t>(base_->row_of_slot[slot] + i)] = static_cast<float>(turned[i]);
+      solver.x[static_cast<std::size_t>(base_->row_of_slot[slot] + i)] = static_cast<Real>(turned[i]);
   }
-  base_->single.forward(x_.data(), work_);
+  detail::forward_vector(factor, solver.x.data(), solver.work);
   if (!touched_.empty()) {
     const std::vector<std::uint32_t>& rows = base_->ready.rows();
-    for (std::size_t i = 0; i < rows.size(); ++i) packed_[static_cast<Index>(i)] = x_[rows[i]];
-    touched_part(f);
-    blas::gemv('N', rows.size(), 3 * touched_.size(), touched_columns_.data(), rows.size(), held_.data(),
-               packed_.data());
-    for (std::size_t i = 0; i < rows.size(); ++i) x_[rows[i]] -= packed_[static_cast<Index>(i)];
+    for (std::size_t i = 0; i < rows.size(); ++i) solver.packed[static_cast<Index>(i)] = solver.x[rows[i]];
+    hold(solver, f);
+    blas::gemv('N', rows.size(), 3 * touched_.size(), solver.columns.data(), rows.size(), solver.held.data(),
+               solver.packed.data());
+    for (std::size_t i = 0; i < rows.size(); ++i) solver.x[rows[i]] -= solver.packed[static_cast<Index>(i)];
   }
-  base_->single.backward(x_.data(), work_);
+  detail::backward_vector(factor, solver.x.data(), solver.work);
   for (std::size_t v = 0; v < x.size(); ++v) {
     const std::uint32_t slot = slot_of_vertex_[v];
     if (!free(slot)) {
       x[v].setZero();
     } else if (slot < base_slots_) {
-      const float* from = x_.data() + base_->row_of_slot[slot];
-      x[v] = turn_[v] * Vec3(from[0], from[1], from[2]);
+      const Real* from = solver.x.data() + base_->row_of_slot[slot];
+      x[v] = turn_[v] * Vec3(static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2]));
     } else {
-      const Vec3 held = place_[slot] < 0 ? Vec3(Vec3::Zero()) : Vec3(held_.segment<3>(3 * Index{place_[slot]}).cast<double>());
+      Vec3 held = Vec3::Zero();
+      if (place_[slot] >= 0) held = solver.held.template segment<3>(3 * Index{place_[slot]}).template cast<double>();
       x[v] = (f[v] - turn_[v] * held) / own_stiffness_;
     }
   }
+}
+
+void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
+  if (precise_)
+    apply_with(double_, base_->factor, f, x);
+  else
+    apply_with(single_, base_->single, f, x);
 }
 
 }  // namespace calot

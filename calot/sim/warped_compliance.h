@@ -25,10 +25,10 @@ struct ElementChange {
 /// What a base is made from: a copy, so that the work can go on aside.
 struct BaseRequest {
   Model model;
-  std::vector<Eigen::Quaterniond> rotations;      ///< m, of the tets
+  std::vector<Eigen::Quaterniond> rotations;  ///< m, of the tets
   std::vector<Spring> springs;
-  std::vector<VertexId> likely;                   ///< vertices near a blade: their columns are made ready
-  std::shared_ptr<const FactorPattern> pattern;   ///< of the same vertices and at least the same edges; may be null
+  std::vector<VertexId> likely;                  ///< vertices near a blade: their columns are made ready
+  std::shared_ptr<const FactorPattern> pattern;  ///< of the same vertices and at least the same edges; may be null
 };
 
 /// Columns of L⁻¹ P for vertices that edits touch, packed to the rows where they are not zero, and C0 between them.
@@ -45,7 +45,8 @@ class ReadyColumns {
   /// The factor's rows that columns are packed to.
   [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
   /// Three columns from `first`, each `rows` = |rows()| values.
-  void copy(std::int32_t first, std::size_t rows, float* to) const;
+  template <class Real>
+  void copy(std::int32_t first, std::size_t rows, Real* to) const;
 
  private:
   struct Chunk {
@@ -77,8 +78,7 @@ struct WarpedBase {
 std::unique_ptr<WarpedBase> make_base(const BaseRequest& request);
 
 /// Mean rotation of each vertex's tets; n.
-std::vector<Eigen::Quaterniond> vertex_rotations(const VertexTets& around,
-                                                 std::span<const Eigen::Quaterniond> of_tets);
+std::vector<Eigen::Quaterniond> vertex_rotations(const VertexTets& around, std::span<const Eigen::Quaterniond> of_tets);
 
 /// A contact's rows: frameᵀ Σ w x.
 struct ContactRows {
@@ -126,8 +126,14 @@ class WarpedCompliance {
   struct Change {  // what one settle has to take in
     std::vector<std::uint32_t> slots;
     std::vector<std::int32_t> place;  // of each slot in `slots`, or −1
-    std::vector<std::pair<std::array<std::uint32_t, 2>, Mat3>> blocks;
-    void add(std::uint32_t a, std::uint32_t b, const Mat3& block);
+    struct Block {
+      std::uint32_t a, b;  // slots
+      Mat3 value;
+      bool leaves;  // what the sum loses; `value` is negative
+    };
+    std::vector<Block> blocks;
+    void add(std::uint32_t a, std::uint32_t b, const Mat3& value, bool leaves = false);
+    [[nodiscard]] Eigen::MatrixXd sum(double kept) const;  // δ; of what leaves, this share stays
   };
   void add_slots(const Remap& remap);
   [[nodiscard]] SpringEntry entry_of(const Spring& spring) const;
@@ -135,35 +141,47 @@ class WarpedCompliance {
   [[nodiscard]] bool free(std::uint32_t slot) const { return !fixed_[slot]; }
   [[nodiscard]] const Eigen::Quaterniond& base_rotation(std::uint32_t slot) const;
   [[nodiscard]] Eigen::MatrixXd base_block(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) const;
-  void touched_part(std::span<const Vec3> f);
-  void gather_touched();
+  [[nodiscard]] Eigen::MatrixXd middle(const Eigen::MatrixXd& compliance);
+  /// What `apply` needs, in single or double precision.
+  template <class Real>
+  struct Solver {
+    std::vector<Real> x, work;                                                // in the factor's order
+    Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns, correction;  // L⁻¹ P of T on the ready rows; K
+    Eigen::Matrix<Real, Eigen::Dynamic, 1> packed, at_touched, held;
+  };
+  template <class Real>
+  void gather_touched(Solver<Real>& solver);
+  template <class Real>
+  void hold(Solver<Real>& solver, std::span<const Vec3> f) const;
+  template <class Real, class Factor>
+  void apply_with(Solver<Real>& solver, const Factor& factor, std::span<const Vec3> f, std::span<Vec3> x) const;
   void spread_contacts(std::span<const ContactRows> contacts);
   [[nodiscard]] Eigen::MatrixXd touched_by(std::span<const ContactRows> contacts) const;
   void add_later_slots(std::span<const ContactRows> contacts, Eigen::MatrixXd& w) const;
 
-  double own_stiffness_ = 1;           // σ of slots that came later, or died
-  double damping_factor_ = 0;          // 1/h
+  double own_stiffness_ = 1;   // σ of slots that came later, or died
+  double damping_factor_ = 0;  // 1/h
   std::unique_ptr<WarpedBase> base_;
   std::size_t base_slots_ = 0;
   std::vector<std::uint8_t> fixed_;    // slots
   std::vector<std::uint32_t> origin_;  // slots: themselves, or the slot of the base whose rotation a later one has
-  std::vector<std::uint32_t> slot_of_vertex_;       // current vertices
-  std::vector<Eigen::Quaterniond> tet_rotation_;    // current tets: what they have in the base
-  std::vector<Eigen::Quaterniond> slot_rotation_;   // slots of the base
-  std::vector<SpringEntry> springs_;                // as the base and the changes know them
+  std::vector<std::uint32_t> slot_of_vertex_;      // current vertices
+  std::vector<Eigen::Quaterniond> tet_rotation_;   // current tets: what they have in the base
+  std::vector<Eigen::Quaterniond> slot_rotation_;  // slots of the base
+  std::vector<SpringEntry> springs_;               // as the base and the changes know them
   Change pending_;
-  std::vector<std::uint32_t> touched_;              // T, slots
-  std::vector<std::int32_t> place_;                 // of each slot in T, or −1
-  Eigen::MatrixXd correction_;                      // K, 3|T|×3|T|
-  Eigen::MatrixXf touched_columns_, correction_single_;  // of T, packed to the ready rows; K again
-  Eigen::VectorXf packed_, at_touched_, held_;      // work of `apply`
+  std::vector<std::uint32_t> touched_;  // T, slots
+  std::vector<std::int32_t> place_;     // of each slot in T, or −1
+  Eigen::MatrixXd correction_;          // K, 3|T|×3|T|
+  bool precise_ = false;                // single precision would not do on this base any more
+  Solver<float> single_;
+  Solver<double> double_;
 
-  std::vector<Mat3> turn_;                          // n, base frame → now
-  std::vector<float> x_, work_;
-  std::vector<float> spread_;                       // L⁻¹ P Jᵀ of `delassus`, a column after another
-  std::vector<std::uint32_t> path_;                 // supernodes where it isn't zero
+  std::vector<Mat3> turn_;           // n, base frame → now
+  std::vector<float> spread_;        // L⁻¹ P Jᵀ of `delassus`, a column after another
+  std::vector<std::uint32_t> path_;  // supernodes where it isn't zero
   std::vector<std::vector<float>> group_work_;
-  std::vector<std::uint32_t> vertex_of_slot_;       // slots, or none where dead
+  std::vector<std::uint32_t> vertex_of_slot_;  // slots, or none where dead
 };
 
 }  // namespace calot

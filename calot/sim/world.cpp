@@ -29,36 +29,60 @@ std::vector<VertexId> supplies_of(const WorldSetup& setup) {
 
 std::string_view name_of(Phase phase) {
   switch (phase) {
-    case Phase::edits: return "edits";
-    case Phase::compliance: return "compliance";
-    case Phase::waiting: return "waiting";
-    case Phase::free_motion: return "free motion";
-    case Phase::detection: return "detection";
-    case Phase::contact: return "contact";
-    case Phase::response: return "response";
-    case Phase::tissue: return "tissue";
+    case Phase::edits:
+      return "edits";
+    case Phase::compliance:
+      return "compliance";
+    case Phase::waiting:
+      return "waiting";
+    case Phase::free_motion:
+      return "free motion";
+    case Phase::detection:
+      return "detection";
+    case Phase::contact:
+      return "contact";
+    case Phase::response:
+      return "response";
+    case Phase::tissue:
+      return "tissue";
   }
   return "";
 }
 
 std::string_view name_of(EventKind kind) {
   switch (kind) {
-    case EventKind::cut: return "cut";
-    case EventKind::cut_refused: return "cut refused";
-    case EventKind::burnt: return "burnt";
-    case EventKind::torn: return "torn";
-    case EventKind::clip_placed: return "clip placed";
-    case EventKind::clip_lost: return "clip lost";
-    case EventKind::grasped: return "grasped";
-    case EventKind::let_go: return "let go";
-    case EventKind::slipped: return "slipped";
-    case EventKind::bruised: return "bruised";
-    case EventKind::perforated: return "perforated";
-    case EventKind::bleeding: return "bleeding";
-    case EventKind::input_fault: return "input fault";
-    case EventKind::input_recovered: return "input recovered";
-    case EventKind::ran_away: return "ran away";
-    case EventKind::inverted: return "inverted";
+    case EventKind::cut:
+      return "cut";
+    case EventKind::cut_refused:
+      return "cut refused";
+    case EventKind::burnt:
+      return "burnt";
+    case EventKind::torn:
+      return "torn";
+    case EventKind::clip_placed:
+      return "clip placed";
+    case EventKind::clip_lost:
+      return "clip lost";
+    case EventKind::grasped:
+      return "grasped";
+    case EventKind::let_go:
+      return "let go";
+    case EventKind::slipped:
+      return "slipped";
+    case EventKind::bruised:
+      return "bruised";
+    case EventKind::perforated:
+      return "perforated";
+    case EventKind::bleeding:
+      return "bleeding";
+    case EventKind::input_fault:
+      return "input fault";
+    case EventKind::input_recovered:
+      return "input recovered";
+    case EventKind::ran_away:
+      return "ran away";
+    case EventKind::inverted:
+      return "inverted";
   }
   return "";
 }
@@ -85,7 +109,7 @@ World::World(WorldSetup setup)
       injury_(model_.mesh(), properties_),
       fluids_(model_.mesh(), properties_, supplies_of(setup)),
       tearing_(model_.mesh(), properties_),
-      compliance_(model_, tissue_, options_.refresh) {
+      compliance_(model_, tissue_, ligaments_, options_.refresh) {
   for (InstrumentSetup& instrument : setup.instruments) arms_.emplace_back(std::move(instrument));
   closed_.assign(model_.mesh().tet_count(), 0);
   renew_triangles();
@@ -234,8 +258,7 @@ void World::take_back() {
 double World::energy() const {
   double sum = tissue_.energy(state_.positions);
   for (std::size_t v = 0; v < state_.positions.size(); ++v)
-    sum += motion_.masses()[v] *
-           (0.5 * state_.velocities[v].squaredNorm() - options_.gravity.dot(state_.positions[v]));
+    sum += motion_.masses()[v] * (0.5 * state_.velocities[v].squaredNorm() - options_.gravity.dot(state_.positions[v]));
   return sum;
 }
 

@@ -28,12 +28,12 @@ struct WorldOptions {
   FrictionOptions friction;
   ContactOptions contact;
   RefreshOptions refresh;
-  double recovery = 0.5e-3;      ///< overlap that a step undoes at most [m]
-  double runaway_step = 0.05;    ///< tissue that moves further in one step has run away: the step is taken back [m]
+  double recovery = 0.5e-3;    ///< overlap that a step undoes at most [m]
+  double runaway_step = 0.05;  ///< tissue that moves further in one step has run away: the step is taken back [m]
 };
 
 struct WorldSetup {
-  Model model;  ///< dynamic, masses lumped by element
+  Model model;                                          ///< dynamic, masses lumped by element
   std::map<std::int32_t, TissueProperties> properties;  ///< of every region of the mesh
   std::vector<InstrumentSetup> instruments;
   std::vector<StillSurface> still;
@@ -47,8 +47,22 @@ inline constexpr std::size_t phase_count = 8;
 std::string_view name_of(Phase phase);
 
 enum class EventKind : std::uint8_t {
-  cut, cut_refused, burnt, torn, clip_placed, clip_lost, grasped, let_go, slipped, bruised, perforated, bleeding, input_fault,
-  input_recovered, ran_away, inverted,
+  cut,
+  cut_refused,
+  burnt,
+  torn,
+  clip_placed,
+  clip_lost,
+  grasped,
+  let_go,
+  slipped,
+  bruised,
+  perforated,
+  bleeding,
+  input_fault,
+  input_recovered,
+  ran_away,
+  inverted,
 };
 std::string_view name_of(EventKind kind);
 
@@ -65,13 +79,13 @@ struct StepReport {
   std::array<double, phase_count> seconds{};
   SolverReport free_motion, response;
   std::size_t contacts = 0;
-  FrictionSolution friction;         ///< its forces belong to `World::contacts`
-  double nonlinear_residual = 0;     ///< Motion::finish
-  double deepest_overlap = 0;        ///< of all contacts, at the step's start [m]
-  std::size_t touched = 0;           ///< vertices that edits touched since the compliance was factored
-  std::size_t inverted = 0;          ///< tets turned inside out
+  FrictionSolution friction;      ///< its forces belong to `World::contacts`
+  double nonlinear_residual = 0;  ///< Motion::finish
+  double deepest_overlap = 0;     ///< of all contacts, at the step's start [m]
+  std::size_t touched = 0;        ///< vertices that edits touched since the compliance was factored
+  std::size_t inverted = 0;       ///< tets turned inside out
   double largest_stretch = 1;
-  bool ran_away = false;             ///< the step was taken back
+  bool ran_away = false;               ///< the step was taken back
   [[nodiscard]] double total() const;  ///< [s], without waiting
 };
 
@@ -95,7 +109,9 @@ class World {
   [[nodiscard]] const std::vector<TissueContact>& contacts() const { return contacts_; }  ///< of the last step
   [[nodiscard]] const StepReport& report() const { return report_; }
   [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }  ///< since the start
-  [[nodiscard]] const std::vector<StiffnessChange>& changes() const { return changes_; }  ///< of the last step, in order
+  [[nodiscard]] const std::vector<StiffnessChange>& changes() const {
+    return changes_;
+  }  ///< of the last step, in order
   [[nodiscard]] const std::map<std::int32_t, TissueProperties>& properties() const { return properties_; }
   [[nodiscard]] const WorldOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return static_cast<double>(step_) * model_.dynamics().time_step; }

@@ -103,8 +103,8 @@ void World::solve_contacts(PhaseClock& clock) {
   WarpedCompliance& present = compliance_.present();
   present.apply(contact_forces_, guess_);
   report_.response = motion_.add_response(
-      contact_forces_, guess_,
-      [&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, options_.solver, motion_of_step_);
+      contact_forces_, guess_, [&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); },
+      options_.solver, motion_of_step_);
   clock.end(Phase::response);
 }
 
@@ -124,13 +124,15 @@ void World::haptic_constraints(std::size_t instrument, HapticConstraints& out) c
   out.motion.resize(3 * count, 6);
   out.wrench.resize(6, 3 * count);
   const Eigen::VectorXd moved =
-      contacts_.empty() ? Eigen::VectorXd() : Eigen::VectorXd(problem_.free_motion + problem_.delassus * report_.friction.forces);
+      contacts_.empty() ? Eigen::VectorXd()
+                        : Eigen::VectorXd(problem_.free_motion + problem_.delassus * report_.friction.forces);
   for (Index k = 0; k < count; ++k) {
     const TissueContact& contact = contacts_[static_cast<std::size_t>(mine[static_cast<std::size_t>(k)])];
     const ContactRows& rows = rows_[static_cast<std::size_t>(mine[static_cast<std::size_t>(k)])];
     Vec3 own = Vec3::Zero();
     for (Index m = 0; m < count; ++m) {
-      const Mat3 block = problem_.delassus.block<3, 3>(3 * mine[static_cast<std::size_t>(k)], 3 * mine[static_cast<std::size_t>(m)]);
+      const Mat3 block =
+          problem_.delassus.block<3, 3>(3 * mine[static_cast<std::size_t>(k)], 3 * mine[static_cast<std::size_t>(m)]);
       out.problem.delassus.block<3, 3>(3 * k, 3 * m) = block;
       own += block * report_.friction.forces.segment<3>(3 * mine[static_cast<std::size_t>(m)]);
     }

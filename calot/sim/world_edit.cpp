@@ -128,7 +128,8 @@ void World::cut_with_scissors(std::size_t k) {
   for (std::size_t t = 0; t < crossed.size(); ++t)
     if (crossed[t]) removal.removed.push_back(TetId(t));
   edit(removal, EventKind::cut,
-       arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed", number);
+       arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed",
+       number);
 }
 
 void World::part_torn() {

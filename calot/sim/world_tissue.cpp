@@ -7,8 +7,8 @@
 namespace calot {
 namespace {
 
-constexpr double suction_radius = 8e-3;   // pooled fluid this near to the tip is taken up [m]; assumed
-constexpr double suction_flow = 50e-6;    // [m³/s]; assumed, 3 L a minute
+constexpr double suction_radius = 8e-3;     // pooled fluid this near to the tip is taken up [m]; assumed
+constexpr double suction_flow = 50e-6;      // [m³/s]; assumed, 3 L a minute
 constexpr double spread_of_contact = 4e-6;  // area a contact point stands for [m²]: contacts lie 2 mm apart
 
 }  // namespace
@@ -33,7 +33,8 @@ void World::place_clip(std::size_t k) {
     return;
   }
   say(EventKind::clip_placed, static_cast<std::int32_t>(k), 1e6 * clip.held_area(),
-      arm.setup().name + (clip.whole() ? " placed a clip across the whole tube" : " placed a clip across a part of the tube"));
+      arm.setup().name +
+          (clip.whole() ? " placed a clip across the whole tube" : " placed a clip across a part of the tube"));
   clips_.push_back(std::move(clip));
 }
 
@@ -53,7 +54,8 @@ void World::update_holds() {
     if (held && !arm.held_before) say(EventKind::let_go, number, 0, arm.setup().name + " let go");
     const bool slips = arm.grasp->report().slip > 0;
     if (slips && !arm.slipped_before)
-      say(EventKind::slipped, number, arm.grasp->report().hold_limit, arm.setup().name + " slips: pulled beyond what its jaws hold");
+      say(EventKind::slipped, number, arm.grasp->report().hold_limit,
+          arm.setup().name + " slips: pulled beyond what its jaws hold");
     arm.slipped_before = slips;
     if (!arm.grasp->bruises().empty() && !arm.bruised_before)
       say(EventKind::bruised, number, arm.grasp->report().grip, arm.setup().name + " bruises what it holds");
@@ -62,8 +64,7 @@ void World::update_holds() {
   for (Clip& clip : clips_) {
     const ClipState before = clip.state();
     clip.after_step(state_.positions);
-    if (before != ClipState::off && clip.state() == ClipState::off)
-      say(EventKind::clip_lost, -1, 0, "a clip came off");
+    if (before != ClipState::off && clip.state() == ClipState::off) say(EventKind::clip_lost, -1, 0, "a clip came off");
   }
 }
 
@@ -93,7 +94,8 @@ void World::update_injury() {
     touch.area = spread_of_contact;
     Vec3 tissue = Vec3::Zero();
     for (std::size_t i = 0; i < 3; ++i)
-      tissue += contact.point.weights[static_cast<Eigen::Index>(i)] * motion_of_step_[contact.point.vertices[i].index()];
+      tissue +=
+          contact.point.weights[static_cast<Eigen::Index>(i)] * motion_of_step_[contact.point.vertices[i].index()];
     const Vec3 speed = (contact.partner_motion - tissue) / h;
     touch.speed = speed.norm();
     touch.angle = touch.speed > 1e-9 ? std::acos(std::clamp(speed.dot(contact.normal) / touch.speed, -1.0, 1.0)) : 0;

@@ -53,7 +53,8 @@ TEST(Corotational, RigidMotionGivesNoForceAtAnyAngle) {
 }
 
 TEST(Corotational, RotationsAreThoseOfThePolarDecomposition) {
-  const Model model = test::make_model(test::box_mesh(3, 3, 3, Vec3(0.03, 0.03, 0.03)), 0.01, [](const Vec3&) { return false; });
+  const Model model =
+      test::make_model(test::box_mesh(3, 3, 3, Vec3(0.03, 0.03, 0.03)), 0.01, [](const Vec3&) { return false; });
   Corotational tissue(model);
   const std::vector<Vec3> x = shaken(model.mesh().positions, 2e-3, 7);
   for (int k = 0; k < 3; ++k) tissue.update_rotations(x);
@@ -75,7 +76,8 @@ TEST(Corotational, RotationsAreThoseOfThePolarDecomposition) {
 
 // With the rotation of every tet at its optimum, the derivative of the energy is the force with rotations held.
 TEST(Corotational, ForceIsTheDerivativeOfTheEnergy) {
-  const Model model = test::make_model(test::box_mesh(2, 2, 2, Vec3(0.02, 0.02, 0.02)), 0.01, [](const Vec3&) { return false; });
+  const Model model =
+      test::make_model(test::box_mesh(2, 2, 2, Vec3(0.02, 0.02, 0.02)), 0.01, [](const Vec3&) { return false; });
   Corotational tissue(model);
   const std::vector<Vec3> x = shaken(model.mesh().positions, 1.5e-3, 3);
   for (int k = 0; k < 3; ++k) tissue.update_rotations(x);
