@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "calot/mesh/parts.h"
 
 namespace calot {
 namespace {
@@ -22,9 +25,35 @@ void Motion::follow(const Model& model) {
   dynamics_ = model.dynamics();
   masses_ = model.vertex_masses();
   fixed_ = model.fixed();
-  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_}) v->assign(masses_.size(), Vec3::Zero());
+  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_, &masked_, &answer_}) v->assign(masses_.size(), Vec3::Zero());
   tissue_ = nullptr;
   elastic_is_fresh_ = false;
+  group_ = vertex_connected_groups(model.mesh());
+  group_count_ = group_.empty() ? 0 : 1 + *std::max_element(group_.begin(), group_.end());
+  part_ = group_;
+  part_count_ = group_count_;
+}
+
+void Motion::join_parts() {
+  std::vector<std::uint32_t> root(group_count_);
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](std::uint32_t g) {
+    while (root[g] != g) g = root[g] = root[root[g]];
+    return g;
+  };
+  for (const Spring& spring : springs_) {
+    if (!spring.other.valid()) continue;
+    const std::uint32_t a = find(group_[spring.vertex.index()]), b = find(group_[spring.other.index()]);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<std::uint32_t> number(group_count_);
+  part_count_ = 0;
+  for (std::uint32_t g = 0; g < group_count_; ++g)
+    number[g] = root[g] == g ? static_cast<std::uint32_t>(part_count_++) : number[find(g)];
+  for (std::size_t v = 0; v < part_.size(); ++v) part_[v] = number[group_[v]];
+  // Below this force a part counts as at rest: a billionth of its weight.
+  weight_of_part_.assign(part_count_, 0.0);
+  for (std::size_t v = 0; v < part_.size(); ++v) weight_of_part_[part_[v]] += 9.81e-9 * masses_[v];
 }
 
 void Motion::multiply(std::span<const Vec3> x, std::span<Vec3> y) const {
@@ -58,6 +87,7 @@ void Motion::begin(const Corotational& tissue, const TissueState& state, const V
                    std::span<const Spring> springs, std::span<const Vec3> external) {
   tissue_ = &tissue;
   springs_ = springs;
+  join_parts();
   gravity_ = gravity;
   external_.assign(external.begin(), external.end());
   if (!elastic_is_fresh_) tissue.force(state.positions, elastic_);
@@ -73,9 +103,30 @@ void Motion::begin(const Corotational& tissue, const TissueState& state, const V
     if (fixed_[v]) b_[v].setZero();
 }
 
+void Motion::sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::vector<double>& sums) const {
+  sums.assign(part_count_, 0.0);
+  for (std::size_t v = 0; v < a.size(); ++v) sums[part_[v]] += a[v].dot(b[v]);
+}
+
+// z = P r; part by part where the preconditioner would mix them.
+void Motion::precondition(const Preconditioner& preconditioner) {
+  const auto active = std::count_if(state_of_part_.begin(), state_of_part_.end(), [](const PartState& s) { return s.active; });
+  if (!preconditioner.mixes_parts || part_count_ == 1) {
+    preconditioner.apply(r_, z_);
+    return;
+  }
+  if (active == 0) return;
+  for (std::uint32_t part = 0; part < part_count_; ++part) {
+    if (!state_of_part_[part].active) continue;
+    for (std::size_t v = 0; v < r_.size(); ++v) masked_[v] = part_[v] == part ? r_[v] : Vec3(Vec3::Zero());
+    preconditioner.apply(masked_, answer_);
+    for (std::size_t v = 0; v < r_.size(); ++v)
+      if (part_[v] == part) z_[v] = answer_[v];
+  }
+}
+
 SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
-                                         const SolverOptions& options, double scale, bool from_zero,
-                                         std::span<Vec3> d) {
+                                         const SolverOptions& options, bool from_zero, std::span<Vec3> d) {
   SolverReport report;
   if (from_zero) {
     std::fill(d.begin(), d.end(), Vec3::Zero());
@@ -84,39 +135,66 @@ SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Precondi
     multiply(d, q_);
     for (std::size_t v = 0; v < r_.size(); ++v) r_[v] = b[v] - q_[v];
   }
-  report.residual = scale > 0 ? std::sqrt(dot(r_, r_)) / scale : 0;
-  double before = 0;
-  while (report.residual > options.tolerance && report.iterations < options.iterations) {
-    preconditioner(r_, z_);
-    const double now = dot(r_, z_);
-    if (!(now > 0)) break;  // the preconditioner lost its definiteness: stop with what there is, and say so
-    const double beta = report.iterations == 0 ? 0 : now / before;
-    for (std::size_t v = 0; v < p_.size(); ++v) p_[v] = z_[v] + beta * p_[v];
-    multiply(p_, q_);
-    const double curvature = dot(p_, q_);
-    if (!(curvature > 0)) break;
-    const double along = now / curvature;
+  state_of_part_.assign(part_count_, {});
+  sum_by_part(b, b, sums_);
+  for (std::size_t k = 0; k < part_count_; ++k)
+    state_of_part_[k].scale = std::max(std::sqrt(sums_[k]), weight_of_part_[k]);
+  const auto judge = [&] {
+    sum_by_part(r_, r_, sums_);
+    bool any = false;
+    report.residual = 0;
+    for (std::size_t k = 0; k < part_count_; ++k) {
+      PartState& part = state_of_part_[k];
+      part.residual = std::sqrt(sums_[k]) / part.scale;
+      part.active = part.residual > options.tolerance;
+      any = any || part.active;
+      report.residual = std::max(report.residual, part.residual);
+    }
+    return any;
+  };
+  bool stuck = false;
+  while (judge() && report.iterations < options.iterations && !stuck) {
+    precondition(preconditioner);
+    sum_by_part(r_, z_, sums_);
+    for (std::size_t k = 0; k < part_count_; ++k) {
+      PartState& part = state_of_part_[k];
+      part.descent = sums_[k];
+      // A preconditioner that lost its definiteness there: stop with what there is; the residual says so.
+      if (part.active && !(part.descent > 0)) stuck = true;
+    }
     for (std::size_t v = 0; v < p_.size(); ++v) {
+      const PartState& part = state_of_part_[part_[v]];
+      if (!part.active || stuck)
+        p_[v].setZero();
+      else
+        p_[v] = part.before > 0 ? Vec3(z_[v] + part.descent / part.before * p_[v]) : z_[v];
+    }
+    if (stuck) break;
+    multiply(p_, q_);
+    sum_by_part(p_, q_, sums_);
+    for (std::size_t v = 0; v < p_.size(); ++v) {
+      const PartState& part = state_of_part_[part_[v]];
+      if (!part.active || !(sums_[part_[v]] > 0)) continue;
+      const double along = part.descent / sums_[part_[v]];
       d[v] += along * p_[v];
       r_[v] -= along * q_[v];
     }
-    before = now;
+    for (PartState& part : state_of_part_) part.before = part.active ? part.descent : 0;
     ++report.iterations;
-    report.residual = std::sqrt(dot(r_, r_)) / scale;
   }
   report.converged = report.residual <= options.tolerance;
   return report;
 }
 
 SolverReport Motion::solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d) {
-  return conjugate_gradients(b_, preconditioner, options, std::sqrt(dot(b_, b_)), true, d);
+  return conjugate_gradients(b_, preconditioner, options, true, d);
 }
 
 SolverReport Motion::add_response(std::span<const Vec3> f, std::span<const Vec3> guess,
                                   const Preconditioner& preconditioner, const SolverOptions& options,
                                   std::span<Vec3> d) {
   std::copy(guess.begin(), guess.end(), response_.begin());
-  const SolverReport report = conjugate_gradients(f, preconditioner, options, std::sqrt(dot(f, f)), false, response_);
+  const SolverReport report = conjugate_gradients(f, preconditioner, options, false, response_);
   for (std::size_t v = 0; v < d.size(); ++v) d[v] += response_[v];
   return report;
 }

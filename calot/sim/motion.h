@@ -22,7 +22,10 @@ struct SolverReport {
 };
 
 /// z ≈ Â⁻¹ r, symmetric positive definite; n vectors each.
-using Preconditioner = std::function<void(std::span<const Vec3> r, std::span<Vec3> z)>;
+struct Preconditioner {
+  std::function<void(std::span<const Vec3> r, std::span<Vec3> z)> apply;
+  bool mixes_parts = false;  ///< parts that hang together by nothing see each other's rounding
+};
 
 /// Â d = b of one step, with Â = ((1 + hα) M + (h² + hβ) K_R)/h² + springs and d the displacement within the step;
 /// fixed vertices stay. Tissue is what `Corotational` says at the rotations it has. Source: docs/simulation.md.
@@ -51,13 +54,21 @@ class Motion {
   /// end of the step, rotations and elastic forces taken anew‖ / ‖b‖. `contact`: contact forces [N], n or empty.
   double finish(const TissueState& before, const TissueState& after, std::span<const Vec3> contact);
 
+  /// Parts that nothing joins in the begun step, neither tets nor springs, are solved each for itself, so that one does
+  /// not feel the other to the last bit. Of each vertex, its part's number, below `part_count`.
+  [[nodiscard]] std::span<const std::uint32_t> parts() const { return part_; }
+  [[nodiscard]] std::size_t part_count() const { return part_count_; }
+
   [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
   [[nodiscard]] std::span<const Vec3> right_side() const { return b_; }
   [[nodiscard]] double time_step() const { return dynamics_.time_step; }
 
  private:
+  void join_parts();
+  void precondition(const Preconditioner& preconditioner);
+  void sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::vector<double>& sums) const;
   SolverReport conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
-                                   const SolverOptions& options, double scale, bool from_zero, std::span<Vec3> d);
+                                   const SolverOptions& options, bool from_zero, std::span<Vec3> d);
   void add_springs(const TissueState& state);
 
   Dynamics dynamics_;
@@ -69,7 +80,15 @@ class Motion {
   std::vector<Vec3> external_;
   std::vector<Vec3> elastic_;  // force at the positions where the last step ended
   bool elastic_is_fresh_ = false;
-  std::vector<Vec3> b_, r_, z_, p_, q_, response_;
+  std::vector<Vec3> b_, r_, z_, p_, q_, response_, masked_, answer_;
+  std::vector<std::uint32_t> group_, part_;  // n: joined by tets; and by springs too
+  std::size_t group_count_ = 0, part_count_ = 0;
+  struct PartState {
+    double scale = 0, residual = 0, descent = 0, before = 0;
+    bool active = false;
+  };
+  std::vector<PartState> state_of_part_;
+  std::vector<double> sums_, weight_of_part_;
 };
 
 }  // namespace calot

@@ -140,10 +140,7 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
   renew_compliance(clock);
   motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
   motion_of_step_.resize(state_.positions.size());
-  const Preconditioner preconditioner = [this](std::span<const Vec3> r, std::span<Vec3> z) {
-    compliance_.present().apply(r, z);
-  };
-  report_.free_motion = motion_.solve_free(preconditioner, options_.solver, motion_of_step_);
+  report_.free_motion = motion_.solve_free(preconditioner(), options_.solver, motion_of_step_);
   clock.end(Phase::free_motion);
   find_contacts();
   clock.end(Phase::detection);
@@ -157,6 +154,11 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
   follow_up();
   clock.end(Phase::tissue);
   return report_;
+}
+
+Preconditioner World::preconditioner() {
+  WarpedCompliance& present = compliance_.present();
+  return {[&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, present.touched() > 0};
 }
 
 void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) {

@@ -136,7 +136,9 @@ class World {
   void gather_springs();
   void renew_compliance(PhaseClock& clock);
   [[nodiscard]] std::vector<VertexId> likely_vertices() const;
+  [[nodiscard]] Preconditioner preconditioner();
   void find_contacts();
+  void keep_parts_apart();
   void solve_contacts(PhaseClock& clock);
   void integrate();
   void follow_up();

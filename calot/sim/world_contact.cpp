@@ -30,6 +30,13 @@ Vec3 motion_at(const ContactRows& rows, std::span<const Vec3> d) {
   return sum;
 }
 
+bool share_part(const ContactRows& a, const ContactRows& b, std::span<const std::uint32_t> parts) {
+  for (std::size_t i = 0; i < a.count; ++i)
+    for (std::size_t j = 0; j < b.count; ++j)
+      if (parts[a.vertices[i].index()] == parts[b.vertices[j].index()]) return true;
+  return false;
+}
+
 Mat3 cross_matrix(const Vec3& r) {
   Mat3 m;
   m << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
@@ -84,6 +91,13 @@ void World::solve_contacts(PhaseClock& clock) {
       for (std::size_t i = 0; i < 3; ++i) start[3 * k + i] = before->second[static_cast<Index>(i)];
   }
   problem_.delassus = compliance_.present().delassus(rows_);
+  if (motion_.part_count() > 1)
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+      for (std::size_t m = 0; m < k; ++m)
+        if (!share_part(rows_[k], rows_[m], motion_.parts())) {
+          problem_.delassus.block<3, 3>(3 * static_cast<Index>(k), 3 * static_cast<Index>(m)).setZero();
+          problem_.delassus.block<3, 3>(3 * static_cast<Index>(m), 3 * static_cast<Index>(k)).setZero();
+        }
   report_.friction = solve_friction(problem_, start, options_.friction);
   clock.end(Phase::contact);
 
@@ -100,12 +114,22 @@ void World::solve_contacts(PhaseClock& clock) {
   for (std::size_t v = 0; v < contact_forces_.size(); ++v)
     if (model_.is_fixed(VertexId(v))) contact_forces_[v].setZero();
   guess_.resize(contact_forces_.size());
-  WarpedCompliance& present = compliance_.present();
-  present.apply(contact_forces_, guess_);
-  report_.response = motion_.add_response(
-      contact_forces_, guess_, [&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); },
-      options_.solver, motion_of_step_);
+  const Preconditioner answer = preconditioner();
+  answer.apply(contact_forces_, guess_);
+  keep_parts_apart();
+  report_.response = motion_.add_response(contact_forces_, guess_, answer, options_.solver, motion_of_step_);
   clock.end(Phase::response);
+}
+
+// A part without contact forces gets no trace of the others' either.
+void World::keep_parts_apart() {
+  if (motion_.part_count() == 1) return;
+  std::vector<std::uint8_t> touched(motion_.part_count(), 0);
+  const std::span<const std::uint32_t> parts = motion_.parts();
+  for (std::size_t v = 0; v < contact_forces_.size(); ++v)
+    if (!contact_forces_[v].isZero(0)) touched[parts[v]] = 1;
+  for (std::size_t v = 0; v < guess_.size(); ++v)
+    if (!touched[parts[v]]) guess_[v].setZero();
 }
 
 // The contacts with this instrument alone; what the others do is part of the free motion.
