@@ -344,6 +344,12 @@ void Clip::append_state(std::string& bytes) const {
   for (const ClipStation& station : stations_) detail::append_bytes(bytes, station.gap);
 }
 
+std::vector<std::pair<VertexId, double>> Clip::held() const {
+  std::vector<std::pair<VertexId, double>> result;
+  for (const Held& held : held_) result.emplace_back(held.vertex, held.weight);
+  return result;
+}
+
 double spacing(const Clip& a, const Clip& b) {
   return (a.frame().position - b.frame().position).norm();
 }

@@ -52,6 +52,8 @@ class Clip {
   [[nodiscard]] double strain() const { return strain_; }
   [[nodiscard]] bool whole() const { return whole_; }  ///< took the whole cross-section when it was fired
   [[nodiscard]] bool holds(VertexId vertex) const;
+  /// The vertices that feel a pull on the clip, and their shares of it (sum 1).
+  [[nodiscard]] std::vector<std::pair<VertexId, double>> held() const;
   [[nodiscard]] const std::vector<TetId>& tets() const { return tets_; }  ///< in its slab, between its legs; ascending
   [[nodiscard]] std::size_t pair_count() const { return pairs_.size(); }
   /// Two legs and the bow that joins them, in the frame, as far apart as they are now.

@@ -60,6 +60,8 @@ void InstrumentArm::append_state(std::string& bytes) const {
   detail::append_bytes(bytes, to_);
   detail::append_bytes(bytes, opening_to_);
   detail::append_bytes(bytes, fire_before_);
+  detail::append_bytes(bytes, held_clip);
+  detail::append_bytes(bytes, clip_anchor);
   if (grasp) grasp->append_state(bytes);
   if (scissors) scissors->append_state(bytes);
   for (const std::vector<VertexId>* list : {&stroke.front, &stroke.lips})

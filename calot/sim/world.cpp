@@ -71,8 +71,8 @@ std::string_view name_of(EventKind kind) {
       return "slipped";
     case EventKind::bruised:
       return "bruised";
-    case EventKind::perforated:
-      return "perforated";
+    case EventKind::leaking:
+      return "leaking";
     case EventKind::bleeding:
       return "bleeding";
     case EventKind::input_fault:
@@ -150,8 +150,9 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
     clock.end(Phase::tissue);
     return report_;
   }
+  const std::vector<Vec3> before = state_.positions;
   integrate();
-  follow_up();
+  follow_up(before);
   clock.end(Phase::tissue);
   return report_;
 }
@@ -211,6 +212,7 @@ void World::gather_springs() {
     arm.set_opening(arm.grasp->opening());
     arm.grasp->springs(springs_);
   }
+  grip_clips();
   loads_.assign(state_.positions.size(), Vec3::Zero());
   for (Clip& clip : clips_) {
     clip.springs(h, springs_);

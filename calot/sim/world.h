@@ -57,7 +57,7 @@ enum class EventKind : std::uint8_t {
   let_go,
   slipped,
   bruised,
-  perforated,
+  leaking,
   bleeding,
   input_fault,
   input_recovered,
@@ -84,6 +84,7 @@ struct StepReport {
   double deepest_overlap = 0;     ///< of all contacts, at the step's start [m]
   std::size_t touched = 0;        ///< vertices that edits touched since the compliance was factored
   std::size_t inverted = 0;       ///< tets turned inside out
+  std::size_t stuck = 0;           ///< tets beyond their ultimate stretch that no crack could relieve
   double largest_stretch = 1;
   bool ran_away = false;               ///< the step was taken back
   [[nodiscard]] double total() const;  ///< [s], without waiting
@@ -141,7 +142,9 @@ class World {
   void keep_parts_apart();
   void solve_contacts(PhaseClock& clock);
   void integrate();
-  void follow_up();
+  void follow_up(std::span<const Vec3> before);
+  void grip_clips();
+  void pull_clips(std::span<const Vec3> before);
   void update_holds();
   void update_heat();
   void update_injury();
@@ -179,6 +182,9 @@ class World {
   std::vector<TetId> to_stiffen_;
   std::vector<std::array<VertexId, 3>> to_part_;
   std::vector<std::uint8_t> closed_;  // m, tets of tubes that clips close
+
+  std::uint32_t next_source_ = 0;  // of fluids: those below have been told
+  std::size_t inverted_before_ = 0;
 
   // Of the last step.
   StepReport report_;

@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "calot/base/error.h"
+#include "calot/cut/crossed_tets.h"
 #include "calot/cut/separate.h"
 #include "calot/cut/split.h"
 #include "calot/sim/element_changes.h"
@@ -122,11 +123,7 @@ void World::cut_with_scissors(std::size_t k) {
     return;
   }
   TopologyEdit removal;
-  std::vector<std::uint8_t> crossed(model_.mesh().tet_count(), 0);
-  const SplitEdit probe = calot::split(model_.mesh(), around_, state_.positions, sweep, {});
-  for (const TetId t : probe.removed) crossed[t.index()] = 1;
-  for (std::size_t t = 0; t < crossed.size(); ++t)
-    if (crossed[t]) removal.removed.push_back(TetId(t));
+  removal.removed = crossed_tets(model_.mesh(), state_.positions, sweep);
   edit(removal, EventKind::cut,
        arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed",
        number);

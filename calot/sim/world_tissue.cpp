@@ -11,9 +11,12 @@ constexpr double suction_radius = 8e-3;     // pooled fluid this near to the tip
 constexpr double suction_flow = 50e-6;      // [m³/s]; assumed, 3 L a minute
 constexpr double spread_of_contact = 4e-6;  // area a contact point stands for [m²]: contacts lie 2 mm apart
 
+constexpr double clip_reach = 1e-3;         // jaws catch a clip this far beyond their faces [m]
+
 }  // namespace
 
-void World::follow_up() {
+void World::follow_up(std::span<const Vec3> before) {
+  pull_clips(before);
   update_holds();
   update_injury();
   if (options_.heat) update_heat();
@@ -21,7 +24,61 @@ void World::follow_up() {
   const TearStep& tears = tearing_.step(model_.mesh(), around_, state_.positions);
   report_.largest_stretch = tears.largest;
   report_.inverted = tears.inverted.size();
+  report_.stuck = tears.stuck.size();
+  if (report_.inverted > inverted_before_)
+    say(EventKind::inverted, -1, static_cast<double>(report_.inverted),
+        std::to_string(report_.inverted) + " tets are turned inside out");
+  inverted_before_ = report_.inverted;
   if (options_.tearing) to_part_ = tears.faces;
+}
+
+// Jaws that close on a clip hold it: the tissue in the clip is drawn along by springs as stiff as the instrument.
+void World::grip_clips() {
+  for (InstrumentArm& arm : arms_) {
+    if (!arm.grasp) continue;
+    if (arm.opening_to() > arm.opening_from() + 1e-9) arm.held_clip = -1;
+    if (arm.held_clip < 0 && arm.closing())
+      for (std::size_t k = 0; k < clips_.size() && arm.held_clip < 0; ++k) {
+        if (clips_[k].state() == ClipState::off) continue;
+        const Vec3 place = arm.from().inverse() * clips_[k].frame().position;
+        const InstrumentGeometry& g = arm.geometry();
+        const double half_gap = std::tan(arm.opening_from() / 2) * std::max(0.0, place.z());
+        if (place.z() < g.face_start || place.z() > g.jaw_length || std::abs(place.y()) > half_gap + clip_reach ||
+            std::abs(place.x() - g.middle(place.z())) > g.width(place.z()) / 2 + clip_reach)
+          continue;
+        arm.held_clip = static_cast<std::int32_t>(k);
+        arm.clip_anchor = place;
+      }
+    if (arm.held_clip < 0) continue;
+    const Clip& clip = clips_[static_cast<std::size_t>(arm.held_clip)];
+    if (clip.state() == ClipState::off) {
+      arm.held_clip = -1;
+      continue;
+    }
+    const Vec3 motion = arm.to() * arm.clip_anchor - clip.frame().position;
+    for (const auto& [vertex, weight] : clip.held()) {
+      Spring spring;
+      spring.vertex = vertex;
+      spring.anchor = state_.positions[vertex.index()] + motion;
+      spring.stiffness = weight * arm.geometry().grip_stiffness * Mat3::Identity();
+      springs_.push_back(spring);
+    }
+  }
+}
+
+// What the jaws pull a clip with, once the tissue has moved; the clip comes off where it is too much.
+void World::pull_clips(std::span<const Vec3> before) {
+  for (InstrumentArm& arm : arms_) {
+    if (arm.held_clip < 0) continue;
+    Clip& clip = clips_[static_cast<std::size_t>(arm.held_clip)];
+    const Vec3 motion = arm.to() * arm.clip_anchor - clip.frame().position;
+    Vec3 force = Vec3::Zero();
+    for (const auto& [vertex, weight] : clip.held())
+      force += weight * arm.geometry().grip_stiffness *
+               (before[vertex.index()] + motion - state_.positions[vertex.index()]);
+    clip.pull(force);
+    arm.force -= force;
+  }
 }
 
 void World::place_clip(std::size_t k) {
@@ -142,6 +199,15 @@ void World::update_fluids() {
   }
   const double h = model_.dynamics().time_step;
   fluids_.step(h, model_.mesh(), state_.positions, heat_.coagulation(), closed_);
+  for (const FluidSource& source : fluids_.sources()) {
+    if (source.id < next_source_ || source.kind == FluidSourceKind::injury) continue;
+    const auto region = model_.mesh().region_names.find(source.region);
+    const std::string name = region == model_.mesh().region_names.end() ? "tissue" : region->second;
+    const bool vessel = source.kind == FluidSourceKind::vessel;
+    say(vessel && source.fluid == Fluid::bile ? EventKind::leaking : EventKind::bleeding, -1,
+        millilitres(source.rate), name + (vessel ? " is open" : " oozes"));
+  }
+  for (const FluidSource& source : fluids_.sources()) next_source_ = std::max(next_source_, source.id + 1);
   for (const InstrumentArm& arm : arms_)
     if (arm.geometry().kind == InstrumentKind::suction && arm.input().energy)
       fluids_.suck(arm.to().position, suction_radius, suction_flow, h);
