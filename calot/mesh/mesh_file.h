@@ -20,9 +20,10 @@ struct MeshFile {
 /// Region numbers come from Gmsh's physical groups (entity numbers where there are none) or from a cell array named
 /// "region", "gmsh:physical", "medit:ref", "label", "material" or "CellEntityIds" (any case, the first of these); names
 /// from $PhysicalNames or the field arrays "region_ids" and "region_names" (docs/formats.md). Surface elements are left
-/// out and counted in `notes`; so are vertices that no tet uses, which are kept. Inverted tets are an error unless all
-/// are inverted (some tools wind the other way; then all are turned). Throws InputError naming file and line (or byte,
-/// or XML element) for anything wrong, two vertices at the same place included.
+/// out and counted in `notes`; so are vertices that no tet uses, and vertices at exactly the same place, both of which
+/// are kept: after a cut the lips are so, and only the tets' numbers tell that they are apart. Inverted tets are an
+/// error unless all are inverted (some tools wind the other way; then all are turned). Throws InputError naming file
+/// and line (or byte, or XML element) for anything wrong.
 MeshFile read_mesh(const std::filesystem::path& path, double scale = 1.0);
 
 enum class MeshFormat {

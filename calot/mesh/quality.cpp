@@ -88,7 +88,8 @@ Quality quality_of(const TetMesh& mesh, const std::vector<TetId>& tets) {
   return q;
 }
 
-void check_vertices(const TetMesh& mesh, MeshProblems& problems) {
+/// @return for each vertex, the first one at its place: mostly itself
+std::vector<VertexId> check_vertices(const TetMesh& mesh, MeshProblems& problems) {
   const std::size_t n = mesh.vertex_count();
   std::vector<std::uint32_t> order;
   for (std::size_t v = 0; v < n; ++v) {
@@ -105,9 +106,16 @@ void check_vertices(const TetMesh& mesh, MeshProblems& problems) {
     return a < b;
   };
   std::sort(order.begin(), order.end(), before);
-  for (std::size_t i = 1; i < order.size(); ++i)
-    if (mesh.positions[order[i]] == mesh.positions[order[i - 1]]) problems.coincident.emplace_back(order[i]);
+  std::vector<VertexId> at_place;
+  at_place.reserve(n);
+  for (std::size_t v = 0; v < n; ++v) at_place.emplace_back(v);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    if (mesh.positions[order[i]] != mesh.positions[order[i - 1]]) continue;
+    at_place[order[i]] = at_place[order[i - 1]];
+    problems.coincident.emplace_back(order[i]);
+  }
   std::sort(problems.coincident.begin(), problems.coincident.end());
+  return at_place;
 }
 
 /// Volume of a tet whose corners are known to exist and to differ.
@@ -144,11 +152,30 @@ void check_tets(const TetMesh& mesh, MeshProblems& problems) {
     if (!used[v]) problems.unused.emplace_back(v);
 }
 
-void check_sharing(const TetMesh& mesh, MeshProblems& problems) {
-  const std::vector<detail::TetFace> faces = detail::sorted_faces(mesh);
+/// The same tets between places instead of vertices: a vertex at the place of an earlier one counts as that one. Tets
+/// that have no volume for this reason are left out.
+TetMesh joined_by_place(const TetMesh& mesh, const std::vector<VertexId>& at_place) {
+  TetMesh joined{mesh.positions, {}, {}, {}};
+  joined.tets.reserve(mesh.tet_count());
+  for (Tet tet : mesh.tets) {
+    for (VertexId& v : tet)
+      if (v.index() < at_place.size()) v = at_place[v.index()];
+    Tet sorted = tet;
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) tet.fill(VertexId::none());
+    joined.tets.push_back(tet);
+  }
+  return joined;
+}
+
+/// Tets that repeat an earlier one, and those at faces that three or more share. A mesh exported twice over differs in
+/// numbers only, so tets between the same places count too; those on either side of a cut don't overlap.
+void check_sharing(const TetMesh& mesh, const std::vector<VertexId>& at_place, MeshProblems& problems) {
+  const TetMesh joined = joined_by_place(mesh, at_place);
+  const std::vector<detail::TetFace> faces = detail::sorted_faces(joined);
   std::vector<bool> duplicate(mesh.tet_count(), false), overfull(mesh.tet_count(), false);
   const auto same_tet = [&](std::uint32_t a, std::uint32_t b) {
-    return std::is_permutation(mesh.tets[a].begin(), mesh.tets[a].end(), mesh.tets[b].begin());
+    return std::is_permutation(joined.tets[a].begin(), joined.tets[a].end(), joined.tets[b].begin());
   };
   for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
     while (end < faces.size() && faces[end].key == faces[begin].key) ++end;
@@ -224,9 +251,9 @@ std::string MeshProblems::describe() const {
 MeshProblems validate(const TetMesh& mesh) {
   MeshProblems problems;
   problems.sizes_differ = mesh.regions.size() != mesh.tets.size();
-  check_vertices(mesh, problems);
+  const std::vector<VertexId> at_place = check_vertices(mesh, problems);
   check_tets(mesh, problems);
-  check_sharing(mesh, problems);
+  check_sharing(mesh, at_place, problems);
   return problems;
 }
 

@@ -24,11 +24,11 @@ struct MeshProblems {
   std::vector<TetId> flat;             ///< volume 0 (relative to the longest edge cubed, 1e-14)
   std::vector<TetId> repeated_vertex;  ///< a tet that names a vertex twice
   std::vector<TetId> out_of_range;     ///< a vertex number ≥ n
-  std::vector<TetId> duplicate;        ///< same four vertices as an earlier tet
+  std::vector<TetId> duplicate;        ///< same four vertices, or places, as an earlier tet
   std::vector<VertexId> not_finite;    ///< NaN, infinite, or beyond 1e100 (volumes overflow)
-  std::vector<VertexId> coincident;    ///< at exactly the place of an earlier vertex of the mesh
+  std::vector<VertexId> coincident;    ///< at exactly the place of an earlier vertex, as the lips of a cut are
   std::vector<VertexId> unused;        ///< no tet uses it
-  std::vector<TetId> overfull_face;    ///< a tet with a face that three or more tets share
+  std::vector<TetId> overfull_face;    ///< a tet with a face that three or more tets share, by number or by place
   bool sizes_differ = false;           ///< `regions` and `tets` differ in length
   [[nodiscard]] bool fatal() const;    ///< anything but coincident or unused vertices
   /// One line, counts and the first few numbers: "2 inverted tets (17, 40)". Empty when sound.

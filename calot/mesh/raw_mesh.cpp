@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <limits>
 
 #include "calot/mesh/quality.h"
@@ -20,6 +21,19 @@ void turn_if_all_inverted(TetMesh& mesh, MeshProblems& problems, std::vector<std
   const std::size_t turned = orient(mesh);
   notes.push_back("all " + std::to_string(turned) + " tets were wound the other way and were turned around");
   problems.inverted.clear();
+}
+
+/// Vertices that are unusual, but may be meant so.
+void note_vertices(const MeshProblems& problems, std::vector<std::string>& notes) {
+  if (!problems.unused.empty())
+    notes.push_back(std::to_string(problems.unused.size()) + " vertices that no tet uses kept");
+  std::vector<VertexId> doubled;
+  std::set_difference(problems.coincident.begin(), problems.coincident.end(), problems.unused.begin(),
+                      problems.unused.end(), std::back_inserter(doubled));
+  if (!doubled.empty())
+    notes.push_back(
+        std::to_string(doubled.size()) +
+        " vertices are at exactly the place of an earlier one: the tets there are not joined, as after a cut");
 }
 
 }  // namespace
@@ -61,11 +75,10 @@ MeshFile finish(RawMesh raw, const std::string& name, double scale) {
   for (Vec3& p : mesh.positions) p *= scale;
   MeshProblems problems = validate(mesh);
   turn_if_all_inverted(mesh, problems, notes);
-  if (!problems.unused.empty())
-    notes.push_back(std::to_string(problems.unused.size()) + " vertices that no tet uses kept");
+  note_vertices(problems, notes);
   problems.unused.clear();
-  if (const std::string bad = problems.describe(); !bad.empty())
-    throw InputError(name, bad, "repair the mesh; numbers count from 0 in the file's order");
+  if (problems.fatal())
+    throw InputError(name, problems.describe(), "repair the mesh; numbers count from 0 in the file's order");
   return {std::move(mesh), std::move(notes)};
 }
 

@@ -133,6 +133,32 @@ TEST(Validate, RepeatedTetsAndOverfullFaces) {
   EXPECT_TRUE(problems.fatal());
 }
 
+// Vertices at one place are two lips of a cut, or a mistake: then tets lie in each other.
+TEST(Validate, TetsBetweenTheSamePlacesAreRepeatedToo) {
+  TetMesh mesh = two_tets();
+  const std::size_t n = mesh.vertex_count();
+  const std::vector<Vec3> positions = mesh.positions;
+  mesh.positions.insert(mesh.positions.end(), positions.begin(), positions.end());
+  mesh.tets.push_back(mesh.tets[1]);
+  for (VertexId& v : mesh.tets[2]) v = VertexId(v.index() + n);
+  mesh.regions.push_back(1);
+  EXPECT_EQ(validate(mesh).duplicate, std::vector<TetId>{TetId(2)});
+  EXPECT_TRUE(validate(mesh).fatal());
+  // The second tet's neighbour beyond the shared face would be a third tet there.
+  TetMesh third = two_tets();
+  third.positions.insert(third.positions.end(), positions.begin(), positions.end());
+  third.positions.emplace_back(0.2, 0.2, 2);
+  third.tets.push_back({VertexId(n + 0), VertexId(n + 1), VertexId(n + 2), VertexId(2 * n)});
+  third.regions.push_back(1);
+  EXPECT_EQ(validate(third).overfull_face.size(), 3u);
+  // The same second tet alone, parted from the first along their face, is sound.
+  TetMesh parted = two_tets();
+  parted.positions.insert(parted.positions.end(), positions.begin(), positions.end());
+  for (VertexId& v : parted.tets[1]) v = VertexId(v.index() + n);
+  EXPECT_FALSE(validate(parted).fatal()) << validate(parted).describe();
+  EXPECT_EQ(validate(parted).coincident.size(), n);
+}
+
 TEST(Validate, NamesOnlyTheFirstFew) {
   TetMesh mesh = box_mesh(2, 1, 1, {1, 1, 1});
   for (Tet& tet : mesh.tets) std::swap(tet[0], tet[1]);

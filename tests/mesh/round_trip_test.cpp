@@ -6,6 +6,7 @@
 
 #include "calot/base/error.h"
 #include "calot/mesh/mesh_file.h"
+#include "calot/mesh/parts.h"
 #include "calot/mesh/quality.h"
 #include "tests/support/files.h"
 #include "tests/support/meshes.h"
@@ -134,6 +135,44 @@ TEST_P(VolumeRoundTrip, UnusedVerticesAreKeptAndNoted) {
   const MeshFile file = read_mesh(path);
   expect_same(file.mesh, mesh);
   EXPECT_EQ(file.notes, std::vector<std::string>{"1 vertices that no tet uses kept"});
+}
+
+/// Cubes that meet in the plane x = 1, every vertex there doubled, as a cut leaves them.
+TetMesh parted_cubes() {
+  TetMesh mesh = box_mesh(2, 1, 1, {2, 1, 1});
+  const std::size_t n = mesh.vertex_count();
+  std::vector<VertexId> copy(n);
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    double middle = 0;
+    for (const VertexId v : mesh.tets[t]) middle += mesh.position(v).x() / 4;
+    for (VertexId& v : mesh.tets[t]) {
+      if (middle < 1 || mesh.position(v).x() != 1) continue;
+      if (!copy[v.index()].valid()) {
+        copy[v.index()] = VertexId(mesh.vertex_count());
+        mesh.positions.push_back(Vec3(mesh.position(v)));
+      }
+      v = copy[v.index()];
+    }
+  }
+  return mesh;
+}
+
+TEST_P(VolumeRoundTrip, ACutMeshStaysCut) {
+  const TempFolder folder;
+  TetMesh mesh = parted_cubes();
+  ASSERT_EQ(face_connected_parts(mesh).count(), 2u);
+  const auto path = folder / (std::string("mesh") + GetParam().ending);
+  write_mesh(path, mesh, GetParam().format);
+  const MeshFile file = read_mesh(path);
+  expect_same(file.mesh, mesh);
+  ASSERT_EQ(file.notes.size(), 1u);
+  EXPECT_TRUE(file.notes[0].starts_with("4 vertices are at exactly the place of an earlier one")) << file.notes[0];
+  // A vertex that no tet uses parts nothing, wherever it is.
+  mesh.positions.push_back(mesh.positions[0]);
+  write_mesh(path, mesh, GetParam().format);
+  const MeshFile more = read_mesh(path);
+  ASSERT_EQ(more.notes.size(), 2u);
+  EXPECT_EQ(more.notes[1], file.notes[0]);
 }
 
 TEST(Writing, ByEnding) {
