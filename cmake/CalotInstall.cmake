@@ -24,9 +24,9 @@ endfunction()
 
 function(calot_install)
   get_property(rooms GLOBAL PROPERTY CALOT_ROOMS)
-  list(REMOVE_ITEM rooms calot_image calot_patient calot_view)
+  list(REMOVE_ITEM rooms calot_image calot_patient calot_scene calot_view)
   calot_install_targets(calotTargets ${rooms} calot)
-  calot_install_targets(calotPatientTargets calot_image calot_patient)
+  calot_install_targets(calotPatientTargets calot_image calot_patient calot_scene)
   calot_install_targets(calotViewTargets calot_view)
   calot_install_headers()
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/calotConfig.cmake.in

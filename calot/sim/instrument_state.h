@@ -1,4 +1,4 @@
-// Inside this room: raw bytes of a class's changing state, for the world's state hash.
+// Inside this room only: raw bytes of a class's changing state, for the world's state hash.
 #pragma once
 #include <string>
 #include <type_traits>
