@@ -57,28 +57,39 @@ void subtract_three(double* y, const double* a, std::size_t ld, const double* x,
 float interleaved_dot(const float* a, const float* x, std::size_t count);
 double interleaved_dot(const double* a, const double* x, std::size_t count);
 
+/// One supernode of x ← L⁻¹ x.
+template <class Real, class Factor>
+void eliminate_supernode(const Factor& factor, std::size_t s, Real* x, std::vector<Real>& work) {
+  const FactorPattern& f = factor.pattern();
+  const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
+  const Real* panel = factor.panel(s);
+  Real* y = x + 3 * std::size_t{f.super_start[s]};
+  std::fill_n(work.begin(), below, Real{0});
+  for (std::size_t j = 0; j < own; j += 3) {  // a vertex at a time
+    const Real* c = panel + j * ld;
+    y[j] /= c[j];
+    y[j + 1] = (y[j + 1] - c[j + 1] * y[j]) / c[ld + j + 1];
+    y[j + 2] = (y[j + 2] - c[j + 2] * y[j] - c[ld + j + 2] * y[j + 1]) / c[2 * ld + j + 2];
+    subtract_three(y + j + 3, c + j + 3, ld, y + j, own - j - 3);
+    subtract_three(work.data(), c + own, ld, y + j, below);
+  }
+  const std::span<const std::uint32_t> rows = f.rows_of(s);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a) x[3 * std::size_t{rows[i]} + a] += work[3 * i + a];
+}
+
 /// x ← L⁻¹ x for one vector, on one thread; `work` is grown once.
 template <class Real, class Factor>
 void forward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
-  const FactorPattern& f = factor.pattern();
   work.resize(std::max(work.size(), factor.size()));
-  for (std::size_t s = 0; s < f.supernodes(); ++s) {
-    const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
-    const Real* panel = factor.panel(s);
-    Real* y = x + 3 * std::size_t{f.super_start[s]};
-    std::fill_n(work.begin(), below, Real{0});
-    for (std::size_t j = 0; j < own; j += 3) {  // a vertex at a time
-      const Real* c = panel + j * ld;
-      y[j] /= c[j];
-      y[j + 1] = (y[j + 1] - c[j + 1] * y[j]) / c[ld + j + 1];
-      y[j + 2] = (y[j + 2] - c[j + 2] * y[j] - c[ld + j + 2] * y[j + 1]) / c[2 * ld + j + 2];
-      subtract_three(y + j + 3, c + j + 3, ld, y + j, own - j - 3);
-      subtract_three(work.data(), c + own, ld, y + j, below);
-    }
-    const std::span<const std::uint32_t> rows = f.rows_of(s);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t a = 0; a < 3; ++a) x[3 * std::size_t{rows[i]} + a] += work[3 * i + a];
-  }
+  for (std::size_t s = 0; s < factor.pattern().supernodes(); ++s) eliminate_supernode(factor, s, x, work);
+}
+
+/// The same for x whose non-zeros all lie on a path.
+template <class Real, class Factor>
+void forward_vector(const Factor& factor, std::span<const std::uint32_t> path, Real* x, std::vector<Real>& work) {
+  work.resize(std::max(work.size(), factor.size()));
+  for (const std::uint32_t s : path) eliminate_supernode(factor, s, x, work);
 }
 
 /// x ← L⁻ᵀ x for one vector.

@@ -53,10 +53,13 @@ Eigen::MatrixXd WarpedCompliance::touched_by(std::span<const ContactRows> contac
     if (on_path[base_->pattern->super_of[rows[i] / 3]])
       for (std::size_t k = 0; k < columns; ++k)
         packed(static_cast<Index>(i), static_cast<Index>(k)) = spread_[n * k + rows[i]];
-  Eigen::MatrixXf seen(single_.columns.cols(), static_cast<Index>(columns));
-  blas::gemm('T', 'N', size(seen.rows()), columns, rows.size(), 1.0f, single_.columns.data(), rows.size(),
-             packed.data(), rows.size(), 0.0f, seen.data(), size(seen.rows()));
-  Eigen::MatrixXd result = seen.cast<double>();
+  const Eigen::MatrixXf all = base_->ready.against(packed);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(3 * static_cast<Index>(touched_.size()), static_cast<Index>(columns));
+  for (std::size_t t = 0; t < touched_.size(); ++t)
+    if (touched_[t] < base_slots_)
+      result.middleRows<3>(3 * static_cast<Index>(t)) =
+          all.middleRows<3>(base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[t]])))
+              .cast<double>();
   for (std::size_t k = 0; k < contacts.size(); ++k)
     for (std::size_t i = 0; i < contacts[k].count; ++i) {
       const VertexId v = contacts[k].vertices[i];

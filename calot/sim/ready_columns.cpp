@@ -35,7 +35,8 @@ void ReadyColumns::add(const SparseFactor& factor, std::span<const std::uint32_t
         place_of_row_[row] = static_cast<std::int32_t>(rows_.size());
         rows_.push_back(row);
       }
-  Chunk chunk{count_, solve(factor, fresh, path)};
+  Chunk chunk{count_, solve(factor, fresh, path), {}};
+  chunk.single = chunk.columns.cast<float>();
   extend_compliance(chunk);
   chunks_.push_back(std::move(chunk));
 }
@@ -83,18 +84,13 @@ void ReadyColumns::extend_compliance(const Chunk& fresh) {
   gram_.block(before, before, width, width) = product(fresh);
 }
 
-template <class Real>
-void ReadyColumns::copy(std::int32_t first, std::size_t rows, Real* to) const {
-  const auto chunk = std::prev(std::upper_bound(chunks_.begin(), chunks_.end(), Index{first},
-                                                [](Index k, const Chunk& c) { return k < c.first; }));
-  for (Index c = 0; c < 3; ++c) {
-    const auto column = chunk->columns.col(first - chunk->first + c);
-    for (Index i = 0; i < column.size(); ++i) to[c * static_cast<Index>(rows) + i] = static_cast<Real>(column[i]);
-    std::fill(to + c * static_cast<Index>(rows) + column.size(), to + (c + 1) * static_cast<Index>(rows), Real{0});
-  }
+Eigen::MatrixXf ReadyColumns::against(const Eigen::MatrixXf& packed) const {
+  Eigen::MatrixXf result(count_, packed.cols());
+  for (const Chunk& chunk : chunks_)
+    blas::gemm('T', 'N', size(chunk.single.cols()), size(packed.cols()), size(chunk.single.rows()), 1.0f,
+               chunk.single.data(), size(chunk.single.rows()), packed.data(), size(packed.rows()), 0.0f,
+               result.data() + chunk.first, size(count_));
+  return result;
 }
-
-template void ReadyColumns::copy<float>(std::int32_t, std::size_t, float*) const;
-template void ReadyColumns::copy<double>(std::int32_t, std::size_t, double*) const;
 
 }  // namespace calot

@@ -270,26 +270,18 @@ void WarpedCompliance::settle() {
   for (const std::uint32_t slot : slots) pending_.place[slot] = -1;
   pending_.slots.clear();
   pending_.blocks.clear();
-  gather_touched(single_);
-  if (precise_) gather_touched(double_);
+  gather_touched();
 }
 
-template <class Real>
-void WarpedCompliance::gather_touched(Solver<Real>& solver) {
-  const std::size_t rows = base_->ready.rows().size();
-  const auto columns = 3 * static_cast<Index>(touched_.size());
-  solver.columns.resize(static_cast<Index>(rows), columns);
-  for (std::size_t k = 0; k < touched_.size(); ++k) {
-    Real* to = solver.columns.data() + 3 * k * rows;
-    if (touched_[k] < base_slots_)
-      base_->ready.copy(base_->ready.column_of(static_cast<std::uint32_t>(base_->row_of_slot[touched_[k]])), rows, to);
-    else
-      std::fill_n(to, 3 * rows, Real{0});
-  }
-  solver.correction = correction_.cast<Real>();
-  solver.packed.resize(static_cast<Index>(rows));
-  solver.at_touched.resize(columns);
-  solver.held.resize(columns);
+void WarpedCompliance::gather_touched() {
+  std::vector<std::uint32_t> positions;
+  for (const std::uint32_t slot : touched_)
+    if (slot < base_slots_) positions.push_back(static_cast<std::uint32_t>(base_->row_of_slot[slot] / 3));
+  touched_path_ = detail::elimination_path(*base_->pattern, positions);
+  if (precise_)
+    double_.correction = correction_;
+  else
+    single_.correction = correction_.cast<float>();
 }
 
 void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations) {
@@ -298,22 +290,27 @@ void WarpedCompliance::turn(std::span<const Eigen::Quaterniond> vertex_rotations
     turn_[v] = (vertex_rotations[v] * base_rotation(slot_of_vertex_[v]).conjugate()).toRotationMatrix();
 }
 
-// K C0_T: f from the packed L⁻¹ P f; later slots stand alone.
+// K C0_T: f from C0 f; later slots stand alone.
 template <class Real>
 void WarpedCompliance::hold(Solver<Real>& solver, std::span<const Vec3> f) const {
-  const auto rows = static_cast<std::size_t>(solver.columns.rows()), columns = 3 * touched_.size();
-  blas::gemv('T', rows, columns, solver.columns.data(), rows, solver.packed.data(), solver.at_touched.data());
+  const std::size_t columns = 3 * touched_.size();
+  solver.at_touched.resize(static_cast<Index>(columns));
+  solver.answer.resize(static_cast<Index>(columns));
   for (std::size_t k = 0; k < touched_.size(); ++k) {
     const std::uint32_t slot = touched_[k];
-    if (slot < base_slots_) continue;
     auto target = solver.at_touched.template segment<3>(3 * static_cast<Index>(k));
+    if (slot < base_slots_) {
+      for (Index i = 0; i < 3; ++i) target[i] = solver.held[static_cast<std::size_t>(base_->row_of_slot[slot] + i)];
+      continue;
+    }
     target.setZero();
     if (const std::uint32_t v = vertex_of_slot_[slot]; v != none)
       target = (turn_[v].transpose() * f[v] / own_stiffness_).template cast<Real>();
   }
-  blas::gemv('N', columns, columns, solver.correction.data(), columns, solver.at_touched.data(), solver.held.data());
+  blas::gemv('N', columns, columns, solver.correction.data(), columns, solver.at_touched.data(), solver.answer.data());
 }
 
+// C' f = C0 (f − K C0_T: f): two solves, of which the second goes forward along T's paths only.
 template <class Real, class Factor>
 void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, std::span<const Vec3> f,
                                   std::span<Vec3> x) const {
@@ -327,12 +324,16 @@ void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, st
   }
   detail::forward_vector(factor, solver.x.data(), solver.work);
   if (!touched_.empty()) {
-    const std::vector<std::uint32_t>& rows = base_->ready.rows();
-    for (std::size_t i = 0; i < rows.size(); ++i) solver.packed[static_cast<Index>(i)] = solver.x[rows[i]];
+    solver.held = solver.x;
+    detail::backward_vector(factor, solver.held.data(), solver.work);
     hold(solver, f);
-    blas::gemv('N', rows.size(), 3 * touched_.size(), solver.columns.data(), rows.size(), solver.held.data(),
-               solver.packed.data());
-    for (std::size_t i = 0; i < rows.size(); ++i) solver.x[rows[i]] -= solver.packed[static_cast<Index>(i)];
+    std::fill(solver.held.begin(), solver.held.end(), Real{0});
+    for (std::size_t k = 0; k < touched_.size(); ++k)
+      for (Index i = 0; i < 3 && touched_[k] < base_slots_; ++i)
+        solver.held[static_cast<std::size_t>(base_->row_of_slot[touched_[k]] + i)] =
+            solver.answer[3 * static_cast<Index>(k) + i];
+    detail::forward_vector(factor, touched_path_, solver.held.data(), solver.work);
+    for (std::size_t i = 0; i < solver.x.size(); ++i) solver.x[i] -= solver.held[i];
   }
   detail::backward_vector(factor, solver.x.data(), solver.work);
   for (std::size_t v = 0; v < x.size(); ++v) {
@@ -344,7 +345,7 @@ void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, st
       x[v] = turn_[v] * Vec3(static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2]));
     } else {
       Vec3 held = Vec3::Zero();
-      if (place_[slot] >= 0) held = solver.held.template segment<3>(3 * Index{place_[slot]}).template cast<double>();
+      if (place_[slot] >= 0) held = solver.answer.template segment<3>(3 * Index{place_[slot]}).template cast<double>();
       x[v] = (f[v] - turn_[v] * held) / own_stiffness_;
     }
   }

@@ -44,14 +44,15 @@ class ReadyColumns {
   [[nodiscard]] const Eigen::MatrixXd& compliance() const { return gram_; }
   /// The factor's rows that columns are packed to.
   [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
-  /// Three columns from `first`, each `rows` = |rows()| values.
-  template <class Real>
-  void copy(std::int32_t first, std::size_t rows, Real* to) const;
+  /// C0 between the ready columns and others: `packed` holds L⁻¹ P of those at `rows()`, |rows()|×k.
+  /// @return a row for each ready column
+  [[nodiscard]] Eigen::MatrixXf against(const Eigen::MatrixXf& packed) const;
 
  private:
   struct Chunk {
     Eigen::Index first;       // its first column among all
     Eigen::MatrixXd columns;  // on the rows there were when it was made
+    Eigen::MatrixXf single;   // the same
   };
   Eigen::MatrixXd solve(const SparseFactor& factor, std::span<const std::uint32_t> fresh,
                         std::span<const std::uint32_t> path);
@@ -145,12 +146,11 @@ class WarpedCompliance {
   /// What `apply` needs, in single or double precision.
   template <class Real>
   struct Solver {
-    std::vector<Real> x, work;                                                // in the factor's order
-    Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> columns, correction;  // L⁻¹ P of T on the ready rows; K
-    Eigen::Matrix<Real, Eigen::Dynamic, 1> packed, at_touched, held;
+    std::vector<Real> x, held, work;  // in the factor's order: L⁻¹ P f, L⁻¹ P K C0_T: f
+    Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> correction;  // K
+    Eigen::Matrix<Real, Eigen::Dynamic, 1> at_touched, answer;
   };
-  template <class Real>
-  void gather_touched(Solver<Real>& solver);
+  void gather_touched();
   template <class Real>
   void hold(Solver<Real>& solver, std::span<const Vec3> f) const;
   template <class Real, class Factor>
@@ -176,6 +176,7 @@ class WarpedCompliance {
   bool precise_ = false;                // single precision would not do on this base any more
   Solver<float> single_;
   Solver<double> double_;
+  std::vector<std::uint32_t> touched_path_;  // supernodes that L⁻¹ P of T reaches
 
   std::vector<Mat3> turn_;           // n, base frame → now
   std::vector<float> spread_;        // L⁻¹ P Jᵀ of `delassus`, a column after another

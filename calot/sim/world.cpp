@@ -175,21 +175,27 @@ void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) 
   }
 }
 
-// Vertices within reach of blades and hooks: their columns of the compliance are made ready with the next factor.
+// Vertices that blades and hooks may touch soon, nearest first: their columns of the compliance are made ready with the
+// next factor. Blades touch what lies about their plane, between their edges.
 std::vector<VertexId> World::likely_vertices() const {
-  constexpr double reach = 8e-3;
-  constexpr std::size_t most = 100;
+  constexpr double reach = 5e-3;
+  constexpr std::size_t most = 150;
   std::vector<std::pair<double, VertexId>> near;
   for (const InstrumentArm& arm : arms_) {
+    const InstrumentGeometry& g = arm.geometry();
     const bool cuts = arm.scissors && arm.opening_to() > 0.02;
-    const bool burns = arm.geometry().kind == InstrumentKind::hook && arm.input().energy;
+    const bool burns = g.kind == InstrumentKind::hook && arm.input().energy;
     if (!cuts && !burns) continue;
-    const Vec3 a = arm.to().position,
-               b = arm.to() * (cuts ? Vec3(0, 0, arm.geometry().jaw_length) : arm.geometry().hook_tip);
+    const Pose inverse = arm.to().inverse();
     for (std::size_t v = 0; v < state_.positions.size(); ++v) {
-      const double along = std::clamp((state_.positions[v] - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-      const double distance = (state_.positions[v] - a - along * (b - a)).norm();
-      if (distance < reach && !model_.is_fixed(VertexId(v))) near.emplace_back(distance, VertexId(v));
+      if (model_.is_fixed(VertexId(v))) continue;
+      const Vec3 x = inverse * state_.positions[v];
+      if (burns) {
+        if (const double distance = (x - g.hook_tip).norm(); distance < reach) near.emplace_back(distance, VertexId(v));
+      } else if (std::abs(x.x()) < reach && x.z() > -reach && x.z() < g.jaw_length + reach &&
+                 std::abs(x.y()) < x.z() * std::tan(arm.opening_to() / 2) + reach) {
+        near.emplace_back(std::abs(x.x()), VertexId(v));
+      }
     }
   }
   std::sort(near.begin(), near.end());
