@@ -36,7 +36,7 @@ void InstrumentArm::take(const std::optional<InstrumentInput>& input, double ste
 }
 
 bool InstrumentArm::jaws_touch() const {
-  if (!setup_.geometry.has_jaws() || closing() || (grasp && grasp->holding())) return false;
+  if (!setup_.geometry.has_jaws() || closing() || (grasp && grasp->holding()) || in_cut) return false;
   // A clip applier works with its jaws around a tube.
   return setup_.geometry.kind != InstrumentKind::clip_applier || opening_to_ >= 0.9 * setup_.geometry.max_opening;
 }
@@ -60,6 +60,7 @@ void InstrumentArm::append_state(std::string& bytes) const {
   detail::append_bytes(bytes, to_);
   detail::append_bytes(bytes, opening_to_);
   detail::append_bytes(bytes, fire_before_);
+  detail::append_bytes(bytes, in_cut);
   detail::append_bytes(bytes, held_clip);
   detail::append_bytes(bytes, clip_anchor);
   if (grasp) grasp->append_state(bytes);

@@ -45,11 +45,12 @@ class InstrumentArm {
 
   std::optional<Grasp> grasp;  ///< graspers and forceps
   std::optional<Scissors> scissors;
-  Stroke stroke;                                                             ///< of the scissors
+  bool in_cut = false;  ///< the blades have cut and are still in the tissue: it isn't pushed out of them
+  Stroke stroke;        ///< of the scissors
   bool held_before = false, slipped_before = false, bruised_before = false;  ///< what the last step saw, for events
-  std::int32_t held_clip = -1;            ///< a clip between closed jaws, by number; −1: none
-  Vec3 clip_anchor = Vec3::Zero();        ///< where it is held, in the instrument's frame [m]
-  Vec3 force = Vec3::Zero();  ///< of the tissue on the instrument, in the last step [N]
+  std::int32_t held_clip = -1;      ///< a clip between closed jaws, by number; −1: none
+  Vec3 clip_anchor = Vec3::Zero();  ///< where it is held, in the instrument's frame [m]
+  Vec3 force = Vec3::Zero();        ///< of the tissue on the instrument, in the last step [N]
 
   void append_state(std::string& bytes) const;
 

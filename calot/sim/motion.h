@@ -11,7 +11,7 @@
 namespace calot {
 
 struct SolverOptions {
-  double tolerance = 1e-6;  ///< of ‖b − Â d‖/‖b‖
+  double tolerance = 1e-5;  ///< of ‖b − Â d‖/‖b‖
   int iterations = 60;      ///< at most; a step that needs more says so and goes on with what it has
 };
 

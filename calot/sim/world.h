@@ -139,6 +139,7 @@ class World {
   [[nodiscard]] std::vector<VertexId> likely_vertices() const;
   [[nodiscard]] Preconditioner preconditioner();
   void find_contacts();
+  void withdraw_blades();
   void keep_parts_apart();
   void solve_contacts(PhaseClock& clock);
   void integrate();

@@ -45,7 +45,22 @@ Mat3 cross_matrix(const Vec3& r) {
 
 }  // namespace
 
+// Blades that cut leave no room for themselves; they touch again once they are out of the tissue.
+void World::withdraw_blades() {
+  for (InstrumentArm& arm : arms_) {
+    if (!arm.in_cut || arm.closing()) continue;
+    surface_.refit(state_.positions, {}, options_.contact.margin);
+    const ArticulatedPoses parts = articulate(arm.geometry(), arm.opening_from());
+    bool inside = false;
+    for (const Pose& jaw : {parts.jaw_a, parts.jaw_b})
+      for (int k = 0; k <= 8 && !inside; ++k)
+        inside = surface_.nearest(arm.from() * (jaw * Vec3(0, 0, arm.geometry().jaw_length * k / 8))).distance < 1e-3;
+    arm.in_cut = inside;
+  }
+}
+
 void World::find_contacts() {
+  withdraw_blades();
   shapes_.clear();
   shape_owner_.clear();
   std::vector<std::uint8_t> parts;

@@ -102,6 +102,7 @@ void World::cut_with_scissors(std::size_t k) {
     return;
   }
   if (sweep.triangles.empty()) return;
+  arm.in_cut = true;
   const auto number = static_cast<std::int32_t>(k);
   if (options_.split) {
     SplitOptions options;
