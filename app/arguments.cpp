@@ -112,6 +112,10 @@ std::vector<Blade> CutArguments::blades() const {
   return all;
 }
 
+std::string CutArguments::name_of(std::size_t blade) const {
+  return blade < planes.size() ? "--plane " + planes[blade] : "--blade " + patches.at(blade - planes.size());
+}
+
 void add_repeated(CLI::App& command, const std::string& name, std::vector<std::string>& values,
                   const std::string& description, bool required) {
   command.add_option(name, values, description + " (repeatable)")

@@ -27,7 +27,8 @@ struct CutArguments {
   bool clean = false;
 
   void add_to(CLI::App& command);
-  [[nodiscard]] std::vector<Blade> blades() const;
+  [[nodiscard]] std::vector<Blade> blades() const;             ///< planes, then patches
+  [[nodiscard]] std::string name_of(std::size_t blade) const;  ///< as it was given: "--plane 10mm,0,0,1,0,0"
   [[nodiscard]] CutOptions options() const { return {.region = region, .clean = clean}; }
 };
 

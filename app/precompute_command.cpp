@@ -10,6 +10,8 @@
 #include "calot/base/memory.h"
 #include "calot/compliance/compliance_file.h"
 #include "calot/fem/model_file.h"
+#include "calot/mesh/parts.h"
+#include "calot/mesh/quality.h"
 
 namespace calot {
 namespace {
@@ -27,6 +29,10 @@ void describe(const Model& model) {
   say("model: " + std::to_string(model.mesh().vertex_count()) + " vertices (" + std::to_string(fixed) + " fixed), " +
       std::to_string(model.mesh().tet_count()) + " tetrahedra, " +
       (step > 0 ? "step " + number_text(1000 * step) + " ms" : "static"));
+  const std::size_t doubled = validate(model.mesh()).coincident.size();
+  if (doubled == 0) return;
+  say("note: " + std::to_string(doubled) + " vertices are at exactly the place of an earlier one, as after a cut; " +
+      std::to_string(face_connected_parts(model.mesh()).count()) + " parts");
 }
 
 void run_precompute(const PrecomputeArguments& arguments) {

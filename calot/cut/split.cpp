@@ -2,7 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "calot/base/error.h"
@@ -389,6 +391,12 @@ class Splitter {
   SplitEdit edit_;
 };
 
+std::string short_text(double value) {
+  std::array<char, 32> text;
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
 void write_notes(const SplitOptions& options, const SweptPlane& blade, SplitEdit& edit) {
   std::vector<std::string>& notes = edit.report.notes;
   if (edit.empty())
@@ -396,12 +404,12 @@ void write_notes(const SplitOptions& options, const SweptPlane& blade, SplitEdit
   else if (edit.report.separated == 0)
     notes.emplace_back("no face was swept as a whole yet, so nothing opens");
   if (blade.unevenness() > options.flatness)
-    notes.push_back("the sweep is bent: its corners lie up to " + std::to_string(blade.unevenness() * 1e3) +
+    notes.push_back("the sweep is bent: its corners lie up to " + short_text(blade.unevenness() * 1e3) +
                     " mm off the plane that was cut along");
   if (edit.report.too_sharp > 0)
     notes.push_back(std::to_string(edit.report.too_sharp) + " pieces have dihedral angles below " +
-                    std::to_string(options.smallest_angle) + "°, the smallest " +
-                    std::to_string(edit.report.angle_after) + "°");
+                    short_text(options.smallest_angle) + "°, the smallest " + short_text(edit.report.angle_after) +
+                    "°");
 }
 
 SplitEdit split_along(const TetMesh& mesh, const VertexTets& around, std::span<const Vec3> current,

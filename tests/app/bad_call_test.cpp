@@ -65,7 +65,6 @@ TEST_F(CutCall, WrongBlades) {
   refused({"--blade", "0,0,0,1,0,0,1,0,0,1,1"}, {"parallel"});
   refused({"--blade", "0,0,0,1,0,0,0,1,0,0,1"}, {"length"});
   refused({"--plane", duct_plane, "--region", "spleen"}, {"spleen", "gallbladder"});
-  refused({"--plane", duct_plane, "--mode", "split"}, {"split", "simulation"});
 }
 
 TEST_F(CutCall, NegativeFirstValuesAreNotOptions) {
