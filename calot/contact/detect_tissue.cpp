@@ -107,8 +107,13 @@ class Meeting {
   Vec3 between_;
 };
 
-/// Whether two triangles are two sides of one wall: close in the rest shape, and back to back there.
-bool back_to_back_at_rest(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) {
+/// How two triangles lie to each other in the rest shape, where they are close.
+enum class AtRest : std::uint8_t {
+  apart,         // or facing each other
+  back_to_back,  // two sides of one wall
+  round_a_bend,  // with the same tissue behind both, as on either side of an edge
+};
+AtRest at_rest(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) {
   const auto rest = [&](std::uint32_t k) {
     const auto& v = surface.triangles()[k].vertices;
     return Corners{surface.rest()[v[0].index()], surface.rest()[v[1].index()], surface.rest()[v[2].index()]};
@@ -116,10 +121,29 @@ bool back_to_back_at_rest(const ContactSurface& surface, std::uint32_t i, std::u
   const Corners a = rest(i), b = rest(j);
   const Vec3 third = Vec3::Constant(1.0 / 3);
   const Vec3 apart = weighted(a, third) - weighted(b, third);
-  if (apart.norm() > rest_reach) return false;
+  const double distance = apart.norm();
+  if (distance > rest_reach) return AtRest::apart;
   const Vec3 normal_a = (a[1] - a[0]).cross(a[2] - a[0]).normalized(),
              normal_b = (b[1] - b[0]).cross(b[2] - b[0]).normalized();
-  return normal_a.dot(normal_b) < 0 && (normal_b - normal_a).normalized().dot(apart) < -0.3 * apart.norm();
+  if (normal_a.dot(normal_b) < 0 && (normal_b - normal_a).normalized().dot(apart) < -0.3 * distance)
+    return AtRest::back_to_back;
+  const bool bend = normal_b.dot(apart) < -0.1 * distance && normal_a.dot(apart) > 0.1 * distance;
+  return bend ? AtRest::round_a_bend : AtRest::apart;
+}
+
+/// Tissue between jaws is squeezed until faces round a bend seem to have passed through each other. They haven't; but a
+/// fold may close between them, which begins with a gap.
+void leave_out_own_tissue(const ContactSurface& surface, std::uint32_t i, std::uint32_t j, std::size_t before,
+                          std::vector<Candidate>& found) {
+  constexpr double deepest_in_a_fold = 0.3e-3;
+  const AtRest rest = at_rest(surface, i, j);
+  if (rest == AtRest::apart) return;
+  const auto first = found.begin() + static_cast<std::ptrdiff_t>(before);
+  found.erase(std::remove_if(first, found.end(),
+                             [&](const Candidate& candidate) {
+                               return rest == AtRest::back_to_back || candidate.contact.gap < -deepest_in_a_fold;
+                             }),
+              found.end());
 }
 
 bool share_a_vertex(const Side& a, const Side& b) {
@@ -166,7 +190,7 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
           candidate.at = weighted(a.corners, weights_a);
           found.push_back(candidate);
         });
-    if (found.size() > before && back_to_back_at_rest(surface, i, j)) found.resize(before);
+    if (found.size() > before) leave_out_own_tissue(surface, i, j, before, found);
   });
 }
 

@@ -252,6 +252,23 @@ TEST(Detect, TissueThatOnlyBendsOrIsSqueezedDoesNotTouchItself) {
   EXPECT_TRUE(detect(thin, positions, {}, {}, {}).empty());
 }
 
+TEST(Detect, AnEdgeThatJawsSqueezeToALipDoesNotTouchItself) {
+  const TetMesh mesh = box_mesh(6, 6, 2, {0.012, 0.012, 0.004});
+  ContactSurface surface(mesh);
+  // Top and bottom of the free edge flow out over its middle: the upper half of the edge's face then looks down, a
+  // millimetre or two below the top, which looks up.
+  for (const double flow : {0.5e-3, 1.0e-3, 1.5e-3, 2.5e-3}) {
+    std::vector<Vec3> squeezed = mesh.positions;
+    for (Vec3& p : squeezed) {
+      const double share = std::max(0.0, (p.x() - 0.006) / 0.006);
+      const double height = (p.z() - 0.002) / 0.002;
+      p.z() -= 0.7e-3 * share * height;
+      p.x() += share * (height == 0 ? -flow : flow);
+    }
+    EXPECT_TRUE(detect(surface, squeezed, {}, {}, {}).empty()) << flow;
+  }
+}
+
 TEST(Detect, AFoldedStripTouchesItself) {
   // Bent half round with an inner radius of 0.3 mm: its ends face each other 0.6 mm apart.
   const double thickness = 0.002, inner = 0.3e-3, middle = 0.03, bend = std::numbers::pi * (inner + thickness / 2);
