@@ -14,6 +14,7 @@ void add_commands(CLI::App& app) {
   calot::add_solve_command(app);
   calot::add_compare_command(app);
   calot::add_convert_command(app);
+  calot::add_simulate_command(app);
   calot::add_bench_command(app);
 }
 

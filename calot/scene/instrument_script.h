@@ -7,7 +7,7 @@
 
 namespace calot {
 
-/// Where the instrument is at a moment. `tip` is on its axis, a jaw's length beyond the pivot.
+/// Where the instrument is at a moment. `tip` is on its axis, where its jaws, its hook's foot or its tube end.
 struct InstrumentKey {
   double time = 0;                    ///< [s]
   Vec3 tip = Vec3::Zero();            ///< [m]
@@ -39,7 +39,7 @@ struct InstrumentScript {
 /// A roll of 0 is how the instrument comes at the script's beginning with its x axis level (z up); from there its axis
 /// turns by the shortest way.
 /// @param script  not empty
-/// @param reach   from the pivot to the tip, InstrumentGeometry::jaw_length [m]
+/// @param reach   from the pivot to the tip [m]
 InstrumentInput input_at(const InstrumentScript& script, double reach, const std::optional<Vec3>& port, double time);
 
 }  // namespace calot

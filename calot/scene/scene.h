@@ -47,7 +47,7 @@ struct RegionSettings {
 };
 
 /// Something that doesn't move: a triangle surface from a file, or a flat square.
-struct StillSurface {
+struct SceneSurface {
   std::string name;
   std::filesystem::path file;                         ///< empty: a square
   double scale = 1;                                   ///< metres per unit of the file
@@ -90,7 +90,7 @@ struct Scene {
   std::vector<TubeShape> tubes;
 
   std::vector<RegionSettings> regions;
-  std::vector<StillSurface> surfaces;
+  std::vector<SceneSurface> surfaces;
   std::vector<SceneInstrument> instruments;
   double tissue_friction = 0.1;  ///< of tissue against tissue
   bool self_contact = true;

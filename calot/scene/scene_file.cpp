@@ -206,7 +206,7 @@ class SceneReader {
 
   void read_floor(const toml::value& table) {
     toml_.allow_only(table, {"name", "point", "normal", "size", "friction"});
-    StillSurface still;
+    SceneSurface still;
     still.where = toml_.at(table);
     still.name = "floor";
     values_.text(table, "name", still.name);
@@ -219,7 +219,7 @@ class SceneReader {
 
   void read_surface_file(const toml::value& table) {
     toml_.allow_only(table, {"name", "file", "length_unit", "friction"});
-    StillSurface still;
+    SceneSurface still;
     still.where = toml_.at(table);
     (void)toml_.need(table, "file", "\"wall.stl\"");
     values_.file(table, "file", still.file);

@@ -77,7 +77,7 @@ void write_regions(std::ostream& out, const Scene& s) {
     if (region.body) out << "body = \"" << bodies[static_cast<std::size_t>(*region.body)] << "\"\n";
     for (const auto& [key, value] : region.figures) out << key << " = " << toml_real(value) << '\n';
   }
-  for (const StillSurface& still : s.surfaces) {
+  for (const SceneSurface& still : s.surfaces) {
     if (still.file.empty())
       out << "\n[[floor]]\nname = " << toml_text(still.name) << "\npoint = " << list(still.point)
           << "\nnormal = " << list(still.normal) << "\nsize = " << toml_real(still.size);

@@ -1,8 +1,11 @@
 #include "calot/scene/tissue.h"
 
+#include <set>
+
 #include "calot/base/error.h"
 #include "calot/fem/model_file.h"
 #include "calot/mesh/mesh_file.h"
+#include "calot/scene/ligaments.h"
 #include "calot/scene/region_figures.h"
 #include "calot/scene/shape_mesh.h"
 
@@ -18,6 +21,7 @@ struct Parts {
   Origin origin;
   std::optional<Patient> patient;
   std::vector<double> masses, stiffness_scale;  // as the model has them; empty for the usual ones
+  std::vector<VertexId> hung;                   // what holds rigid regions, ascending
 };
 
 Parts of_patient(const Scene& scene) {
@@ -69,6 +73,24 @@ void set_figures(const RegionSettings& settings, Material& material, TissuePrope
   }
 }
 
+/// What held a rigid region in place becomes what its ligaments hold, but where a static region holds it too.
+void hang_rigid_regions(Parts& parts, const std::map<std::int32_t, BodyKind>& bodies) {
+  std::vector<std::uint8_t> still(parts.mesh.vertex_count(), 0);
+  for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t)
+    if (bodies.at(parts.mesh.regions[t]) == BodyKind::still)
+      for (const VertexId v : parts.mesh.tets[t]) still[v.index()] = 1;
+  std::set<VertexId> held;
+  for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t) {
+    if (bodies.at(parts.mesh.regions[t]) != BodyKind::rigid) continue;
+    for (const VertexId v : parts.mesh.tets[t])
+      if (parts.fixed[v.index()] && !still[v.index()]) held.insert(v);
+  }
+  for (const auto& [region, kind] : bodies)
+    if (kind == BodyKind::rigid) parts.materials.at(region).young *= rigid_stiffening;
+  for (const VertexId v : held) parts.fixed[v.index()] = 0;
+  parts.hung.assign(held.begin(), held.end());
+}
+
 void apply_regions(const Scene& scene, Parts& parts, std::map<std::int32_t, TissueProperties>& properties,
                    std::map<std::int32_t, BodyKind>& bodies) {
   properties = tissue_properties(parts.mesh);
@@ -87,6 +109,7 @@ void apply_regions(const Scene& scene, Parts& parts, std::map<std::int32_t, Tiss
         throw InputError(settings.where, wrong.what());
       }
     }
+  hang_rigid_regions(parts, bodies);
   for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t)
     if (bodies.at(parts.mesh.regions[t]) == BodyKind::still)
       for (const VertexId v : parts.mesh.tets[t]) parts.fixed[v.index()] = 1;
@@ -111,7 +134,8 @@ SceneTissue load_tissue(const Scene& scene) {
     for (std::size_t t = 0; t < model.mesh().tet_count(); ++t) all.emplace_back(t);
     (void)model.scale_stiffness(all, parts.stiffness_scale);
   }
-  return {std::move(model), std::move(properties), std::move(bodies), std::move(parts.patient)};
+  std::vector<Spring> ligaments = detail::hang(model, parts.hung, scene.gravity);
+  return {std::move(model), std::move(properties), std::move(bodies), std::move(ligaments), std::move(parts.patient)};
 }
 
 std::optional<Vec3> port_of(const SceneInstrument& instrument, const SceneTissue& tissue) {
@@ -128,7 +152,7 @@ std::optional<Vec3> port_of(const SceneInstrument& instrument, const SceneTissue
                                  : detail::suggestion(instrument.port_name, names));
 }
 
-Surface load_surface(const StillSurface& still) {
+Surface load_surface(const SceneSurface& still) {
   if (!still.file.empty()) return read_surface(still.file, still.scale);
   const Vec3 x = 0.5 * still.size * still.normal.unitOrthogonal(), y = still.normal.cross(x);
   Surface square;

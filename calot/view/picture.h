@@ -77,6 +77,8 @@ std::vector<std::uint8_t> exposed_faces(const Surface& before, const Surface& af
 
 /// An arrow from a point to a point [m]; shaft of this radius.
 Surface arrow_surface(const Vec3& from, const Vec3& to, double radius);
+/// A cylinder with round ends between two points [m]; a ball where they meet.
+Surface capsule_surface(const Vec3& from, const Vec3& to, double radius);
 /// Balls of one radius around points [m].
 Surface ball_surface(std::span<const Vec3> centres, double radius);
 

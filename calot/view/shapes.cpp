@@ -42,6 +42,21 @@ Surface arrow_surface(const Vec3& from, const Vec3& to, double radius) {
   return surface;
 }
 
+Surface capsule_surface(const Vec3& from, const Vec3& to, double radius) {
+  constexpr int rings = 6;
+  Surface surface;
+  const double length = (to - from).norm();
+  std::vector<std::pair<double, double>> profile;
+  for (int end = 0; end < 2; ++end)
+    for (int r = 0; r <= rings; ++r) {
+      const double angle = std::numbers::pi / 2 * (r + end * rings) / rings;
+      const bool pole = r == (end == 0 ? 0 : rings);
+      profile.emplace_back((end == 0 ? 0 : length) - radius * std::cos(angle), pole ? 0.0 : radius * std::sin(angle));
+    }
+  add_turned(surface, from, length > 0 ? Vec3((to - from) / length) : Vec3(Vec3::UnitZ()), profile);
+  return surface;
+}
+
 Surface ball_surface(std::span<const Vec3> centres, double radius) {
   constexpr int rings = 12;
   std::vector<std::pair<double, double>> profile;
