@@ -219,13 +219,15 @@ Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a, s
 
 // k = δ (I + C δ)⁻¹. Tissue that comes off, held by nothing but its mass, makes that matrix nearly singular, more so
 // than single precision bears, and in the end double precision: then a trace of what leaves stays, until the next base.
+// Stiff jaws on tissue that gives way easily make it large instead: C − C k C then loses as many digits.
 Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
   constexpr double most_in_single = 20, most_in_double = 1e7, kept_share = 1e-6;
-  double amplified = 0;
+  double amplified = 0, cancelled = 0;
   const auto attempt = [&](double kept) {
     const Eigen::MatrixXd delta = pending_.sum(kept);
     Eigen::MatrixXd system = product(compliance, delta);
     system.diagonal().array() += 1;
+    cancelled = system.cwiseAbs().maxCoeff();
     const Eigen::MatrixXd inverse =
         system.partialPivLu().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
     amplified = inverse.cwiseAbs().maxCoeff();
@@ -234,7 +236,7 @@ Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
   };
   Eigen::MatrixXd k = attempt(0);
   if (!(amplified < most_in_double)) k = attempt(kept_share);
-  precise_ = precise_ || amplified > most_in_single;
+  precise_ = precise_ || std::max(amplified, cancelled) > most_in_single;
   return k;
 }
 
