@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "calot/base/error.h"
 #include "calot/base/parallel.h"
 
 namespace calot {
@@ -27,6 +28,8 @@ bool keeps_pattern(const Remap& remap) {
 ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tissue, std::span<const Spring> springs,
                                      const RefreshOptions& options)
     : options_(options) {
+  if (options_.interval < 1 || options_.latency < 1)
+    throw InputError("refresh", "interval and latency must be at least one step", "use 8 and 6");
   pairs_ = pairs_of(springs);
   const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
   present_ = std::make_unique<WarpedCompliance>(request);
@@ -36,12 +39,20 @@ ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tis
 
 ComplianceRefresh::~ComplianceRefresh() {
   if (work_.valid()) work_.wait();
+  for (const auto& work : abandoned_) work.wait();
 }
 
 double ComplianceRefresh::adopt(std::uint64_t step) {
   if (!next_ || step != adopt_at_) return 0;
   const auto begin = std::chrono::steady_clock::now();
-  std::unique_ptr<WarpedBase> base = work_.get();
+  std::unique_ptr<WarpedBase> base;
+  try {
+    base = work_.get();
+  } catch (const Error&) {  // no memory, or an operator that isn't definite: the present one goes on
+    next_.reset();
+    ++failures_;
+    return 0;
+  }
   const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   pattern_ = base->pattern;
   pattern_fits_ = next_pattern_fits_;
@@ -49,6 +60,19 @@ double ComplianceRefresh::adopt(std::uint64_t step) {
   next_->set_base(std::move(base));
   present_ = std::move(next_);
   return waited;
+}
+
+void ComplianceRefresh::rebuild(const Model& model, const Corotational& tissue, std::span<const Spring> springs) {
+  if (next_) abandoned_.push_back(std::move(work_));
+  next_.reset();
+  std::erase_if(abandoned_,
+                [](const auto& work) { return work.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
+  const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
+  present_ = std::make_unique<WarpedCompliance>(request);
+  present_->set_base(make_base(request));
+  pattern_ = present_->base().pattern;
+  pairs_ = pairs_of(springs);
+  pattern_fits_ = true;
 }
 
 bool ComplianceRefresh::start_is_due(std::uint64_t step) const {

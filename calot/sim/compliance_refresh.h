@@ -3,6 +3,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "calot/sim/corotational.h"
 #include "calot/sim/warped_compliance.h"
@@ -31,6 +32,10 @@ class ComplianceRefresh {
   /// Starts a new one if it is due at this step. `likely`: vertices that an edit may touch soon.
   void start(std::uint64_t step, const Model& model, const Corotational& tissue, std::span<const Spring> springs,
              std::vector<VertexId> likely);
+  /// Factors at once, dropping what is under way: for edits so large that taking them in would cost more.
+  void rebuild(const Model& model, const Corotational& tissue, std::span<const Spring> springs);
+  /// Factors that could not be computed, so far.
+  [[nodiscard]] std::size_t failures() const { return failures_; }
   /// Whether `start` would do something at this step.
   [[nodiscard]] bool start_is_due(std::uint64_t step) const;
 
@@ -44,7 +49,9 @@ class ComplianceRefresh {
   RefreshOptions options_;
   std::unique_ptr<WarpedCompliance> present_, next_;
   std::future<std::unique_ptr<WarpedBase>> work_;
+  std::vector<std::future<std::unique_ptr<WarpedBase>>> abandoned_;
   std::uint64_t adopt_at_ = 0;
+  std::size_t failures_ = 0;
   std::shared_ptr<const FactorPattern> pattern_;  // of the mesh as it is and the spring pairs below; or null
   Pairs pairs_, next_pairs_;
   bool pattern_fits_ = true, next_pattern_fits_ = true;  // no vertex or edge came, none went, since it was made

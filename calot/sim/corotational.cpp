@@ -232,7 +232,7 @@ double Corotational::update_rotations(std::span<const Vec3> positions) {
     for (std::size_t b = begin; b < end; ++b) largest = std::max(largest, rotate_block(blocks_[b], rotations_[b], in));
     missing[chunk] = largest;
   });
-  return *std::max_element(missing.begin(), missing.end());
+  return missing.empty() ? 0 : *std::max_element(missing.begin(), missing.end());
 }
 
 template <Corotational::Product product>

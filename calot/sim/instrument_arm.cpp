@@ -31,8 +31,10 @@ void InstrumentArm::take(const std::optional<InstrumentInput>& input, double ste
   const InstrumentInput& accepted = guard_.accept(input, step);
   to_ = accepted.pose;
   opening_to_ = accepted.opening;
-  fires_ = accepted.fire && !fire_before_;
-  fire_before_ = accepted.fire;
+  // After a fault the trigger counts as down, so that one that was held all along doesn't fire again.
+  const bool sound = guard_.status() == InputStatus::good;
+  fires_ = sound && accepted.fire && !fire_before_;
+  fire_before_ = !sound || accepted.fire;
 }
 
 bool InstrumentArm::jaws_touch() const {
@@ -46,7 +48,7 @@ void InstrumentArm::add_shapes(std::vector<MovingShape>& shapes, std::vector<std
                          after = articulate(setup_.geometry, opening_to_);
   const auto add = [&](const RigidShape& shape, const Pose& a, const Pose& b, std::uint8_t part) {
     if (shape.pieces.empty()) return;
-    shapes.push_back({&shape, from_ * a, to_ * b, setup_.friction});
+    shapes.push_back({&shape, from_ * a, to_ * b, setup_.friction.value_or(0.1)});
     parts.push_back(part);
   };
   add(setup_.geometry.shaft, before.shaft, after.shaft, 0);
@@ -63,6 +65,7 @@ void InstrumentArm::append_state(std::string& bytes) const {
   detail::append_bytes(bytes, in_cut);
   detail::append_bytes(bytes, held_clip);
   detail::append_bytes(bytes, clip_anchor);
+  detail::append_bytes(bytes, clip_opening);
   if (grasp) grasp->append_state(bytes);
   if (scissors) scissors->append_state(bytes);
   for (const std::vector<VertexId>* list : {&stroke.front, &stroke.lips})

@@ -12,9 +12,9 @@ namespace calot {
 struct InstrumentSetup {
   std::string name;
   InstrumentGeometry geometry;
-  InstrumentInput start;  ///< where it is before the first step
-  double friction = 0.1;  ///< Coulomb's coefficient against tissue
-  double power = 30;      ///< of cautery [W]
+  InstrumentInput start;           ///< where it is before the first step
+  std::optional<double> friction;  ///< Coulomb's coefficient against tissue; empty: the tissue's own against steel
+  double power = 30;               ///< of cautery [W]
 };
 
 /// A plain value. A step: `take`, then parts, grasp and scissors as the world needs them.
@@ -49,6 +49,7 @@ class InstrumentArm {
   Stroke stroke;        ///< of the scissors
   bool held_before = false, slipped_before = false, bruised_before = false;  ///< what the last step saw, for events
   std::int32_t held_clip = -1;      ///< a clip between closed jaws, by number; −1: none
+  double clip_opening = 0;          ///< what the hand asked for when it took it [rad]
   Vec3 clip_anchor = Vec3::Zero();  ///< where it is held, in the instrument's frame [m]
   Vec3 force = Vec3::Zero();        ///< of the tissue on the instrument, in the last step [N]
 

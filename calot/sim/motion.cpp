@@ -25,7 +25,8 @@ void Motion::follow(const Model& model) {
   dynamics_ = model.dynamics();
   masses_ = model.vertex_masses();
   fixed_ = model.fixed();
-  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_, &masked_, &answer_}) v->assign(masses_.size(), Vec3::Zero());
+  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_, &masked_, &answer_})
+    v->assign(masses_.size(), Vec3::Zero());
   tissue_ = nullptr;
   elastic_is_fresh_ = false;
   group_ = vertex_connected_groups(model.mesh());
@@ -110,7 +111,8 @@ void Motion::sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::
 
 // z = P r; part by part where the preconditioner would mix them.
 void Motion::precondition(const Preconditioner& preconditioner) {
-  const auto active = std::count_if(state_of_part_.begin(), state_of_part_.end(), [](const PartState& s) { return s.active; });
+  const auto active =
+      std::count_if(state_of_part_.begin(), state_of_part_.end(), [](const PartState& s) { return s.active; });
   if (!preconditioner.mixes_parts || part_count_ == 1) {
     preconditioner.apply(r_, z_);
     return;
@@ -123,6 +125,28 @@ void Motion::precondition(const Preconditioner& preconditioner) {
     for (std::size_t v = 0; v < r_.size(); ++v)
       if (part_[v] == part) z_[v] = answer_[v];
   }
+}
+
+// Where the preconditioner lost its definiteness to rounding, a part goes on without it: slower, never wrong.
+void Motion::go_plain_where_lost() {
+  const auto take_residual = [&] {
+    for (std::size_t v = 0; v < z_.size(); ++v)
+      if (state_of_part_[part_[v]].plain) z_[v] = r_[v];
+  };
+  take_residual();
+  sum_by_part(r_, z_, sums_);
+  bool lost = false;
+  for (std::size_t k = 0; k < part_count_; ++k) {
+    PartState& part = state_of_part_[k];
+    if (!part.active || sums_[k] > 0) continue;
+    part.plain = lost = true;
+    part.before = 0;
+  }
+  if (lost) {
+    take_residual();
+    sum_by_part(r_, z_, sums_);
+  }
+  for (std::size_t k = 0; k < part_count_; ++k) state_of_part_[k].descent = sums_[k];
 }
 
 SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
@@ -146,30 +170,22 @@ SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Precondi
     for (std::size_t k = 0; k < part_count_; ++k) {
       PartState& part = state_of_part_[k];
       part.residual = std::sqrt(sums_[k]) / part.scale;
-      part.active = part.residual > options.tolerance;
+      part.active = !(part.residual <= options.tolerance);  // a residual that isn't a number counts
       any = any || part.active;
-      report.residual = std::max(report.residual, part.residual);
+      if (!(part.residual <= report.residual)) report.residual = part.residual;
     }
     return any;
   };
-  bool stuck = false;
-  while (judge() && report.iterations < options.iterations && !stuck) {
+  while (judge() && std::isfinite(report.residual) && report.iterations < options.iterations) {
     precondition(preconditioner);
-    sum_by_part(r_, z_, sums_);
-    for (std::size_t k = 0; k < part_count_; ++k) {
-      PartState& part = state_of_part_[k];
-      part.descent = sums_[k];
-      // A preconditioner that lost its definiteness there: stop with what there is; the residual says so.
-      if (part.active && !(part.descent > 0)) stuck = true;
-    }
+    go_plain_where_lost();
     for (std::size_t v = 0; v < p_.size(); ++v) {
       const PartState& part = state_of_part_[part_[v]];
-      if (!part.active || stuck)
+      if (!part.active)
         p_[v].setZero();
       else
         p_[v] = part.before > 0 ? Vec3(z_[v] + part.descent / part.before * p_[v]) : z_[v];
     }
-    if (stuck) break;
     multiply(p_, q_);
     sum_by_part(p_, q_, sums_);
     for (std::size_t v = 0; v < p_.size(); ++v) {
@@ -227,7 +243,7 @@ double Motion::finish(const TissueState& before, const TissueState& after, std::
   for (std::size_t v = 0; v < missing.size(); ++v)
     if (!fixed_[v]) sum += missing[v].squaredNorm();
   const double scale = dot(b_, b_);
-  return scale > 0 ? std::sqrt(sum / scale) : 0;
+  return scale == 0 ? 0 : std::sqrt(sum / scale);
 }
 
 }  // namespace calot

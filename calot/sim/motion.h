@@ -66,6 +66,7 @@ class Motion {
  private:
   void join_parts();
   void precondition(const Preconditioner& preconditioner);
+  void go_plain_where_lost();
   void sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::vector<double>& sums) const;
   SolverReport conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
                                    const SolverOptions& options, bool from_zero, std::span<Vec3> d);
@@ -85,7 +86,7 @@ class Motion {
   std::size_t group_count_ = 0, part_count_ = 0;
   struct PartState {
     double scale = 0, residual = 0, descent = 0, before = 0;
-    bool active = false;
+    bool active = false, plain = false;
   };
   std::vector<PartState> state_of_part_;
   std::vector<double> sums_, weight_of_part_;

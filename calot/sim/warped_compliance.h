@@ -117,6 +117,8 @@ class WarpedCompliance {
   [[nodiscard]] Eigen::MatrixXd delassus(std::span<const ContactRows> contacts);
 
   [[nodiscard]] std::size_t touched() const { return touched_.size(); }
+  /// Slots that the next `settle` takes in.
+  [[nodiscard]] std::size_t pending() const { return pending_.slots.size(); }
 
  private:
   struct SpringEntry {

@@ -77,6 +77,8 @@ std::string_view name_of(EventKind kind) {
       return "bleeding";
     case EventKind::input_fault:
       return "input fault";
+    case EventKind::not_solved:
+      return "not solved";
     case EventKind::input_recovered:
       return "input recovered";
     case EventKind::ran_away:
@@ -135,13 +137,19 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
   changes_.clear();
   PhaseClock clock(report_.seconds);
   take_inputs(inputs);
+  if (model_.mesh().tet_count() == 0) return report_;
   edit_tissue();
+  if (model_.mesh().tet_count() == 0) return report_;
   clock.end(Phase::edits);
   renew_compliance(clock);
   motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
   motion_of_step_.resize(state_.positions.size());
   report_.free_motion = motion_.solve_free(preconditioner(), options_.solver, motion_of_step_);
   clock.end(Phase::free_motion);
+  if (has_run_away()) {
+    take_back();
+    return report_;
+  }
   find_contacts();
   clock.end(Phase::detection);
   solve_contacts(clock);
@@ -231,6 +239,10 @@ void World::renew_compliance(PhaseClock& clock) {
   report_.seconds[static_cast<std::size_t>(Phase::waiting)] = compliance_.adopt(step_);
   compliance_.set_springs(springs_);
   if (compliance_.start_is_due(step_)) compliance_.start(step_, model_, tissue_, springs_, likely_vertices());
+  constexpr std::size_t most_pending = 150, most_touched = 400;
+  if (compliance_.present().pending() > most_pending ||
+      compliance_.present().pending() + compliance_.present().touched() > most_touched)
+    compliance_.rebuild(model_, tissue_, springs_);
   WarpedCompliance& present = compliance_.present();
   present.settle();
   present.turn(vertex_rotations(around_, tissue_.rotations()));
@@ -245,13 +257,23 @@ void World::integrate() {
     state_.positions[v] += motion_of_step_[v];
     state_.velocities[v] = motion_of_step_[v] / h;
   }
+  const bool solved = report_.free_motion.converged && report_.response.converged && report_.friction.converged;
+  if (!solved && !unsolved_before_)
+    say(EventKind::not_solved, -1, report_.free_motion.residual,
+        std::string(!report_.free_motion.converged ? "the motion"
+                    : !report_.response.converged  ? "the answer to contacts"
+                                                   : "friction") +
+            " was not solved to its tolerance");
+  unsolved_before_ = !solved;
   tissue_.update_rotations(state_.positions);
   report_.nonlinear_residual = motion_.finish(before, state_, contact_forces_);
 }
 
 bool World::has_run_away() const {
-  return std::any_of(motion_of_step_.begin(), motion_of_step_.end(),
-                     [&](const Vec3& d) { return !(d.norm() <= options_.runaway_step); });
+  const double most = options_.runaway_speed * model_.dynamics().time_step;
+  return !std::isfinite(report_.free_motion.residual) || !std::isfinite(report_.response.residual) ||
+         std::any_of(motion_of_step_.begin(), motion_of_step_.end(),
+                     [&](const Vec3& d) { return !(d.norm() <= most); });
 }
 
 // The last good state stays, at rest; the next step begins from there.
@@ -259,10 +281,13 @@ void World::take_back() {
   for (Vec3& v : state_.velocities) v.setZero();
   contacts_.clear();
   contact_forces_.clear();
+  rows_.clear();
+  problem_ = {};
   warm_.clear();
+  for (InstrumentArm& arm : arms_) arm.force.setZero();
   motion_.follow(model_);
   report_.ran_away = true;
-  say(EventKind::ran_away, -1, 0, "tissue moved further in one step than it can; the last good state is kept, at rest");
+  say(EventKind::ran_away, -1, 0, "tissue moved faster than it can; the last good state is kept, at rest");
 }
 
 double World::energy() const {
@@ -279,6 +304,22 @@ std::string World::state_hash() const {
   };
   for (const std::vector<Vec3>* list : {&state_.positions, &state_.velocities, &model_.mesh().positions})
     for (const Vec3& v : *list) detail::append_bytes(bytes, v);
+  detail::append_bytes(bytes, step_);
+  for (const auto& [key, force] : warm_) {
+    detail::append_bytes(bytes, key);
+    detail::append_bytes(bytes, force);
+  }
+  for (const Spring& spring : ligaments_) {
+    detail::append_bytes(bytes, spring.vertex.value);
+    detail::append_bytes(bytes, spring.anchor);
+    for (int k = 0; k < 3; ++k) detail::append_bytes(bytes, Vec3(spring.stiffness.col(k)));
+  }
+  for (const std::vector<TetId>* list : {&to_vaporise_, &to_stiffen_})
+    for (const TetId t : *list) detail::append_bytes(bytes, t.value);
+  for (const auto& face : to_part_)
+    for (const VertexId v : face) detail::append_bytes(bytes, v.value);
+  add(closed_);
+  add(model_.fixed());
   add(model_.mesh().tets);
   add(model_.mesh().regions);
   add(model_.stiffness_scale());

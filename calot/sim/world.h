@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,8 +29,8 @@ struct WorldOptions {
   FrictionOptions friction;
   ContactOptions contact;
   RefreshOptions refresh;
-  double recovery = 0.5e-3;    ///< overlap that a step undoes at most [m]
-  double runaway_step = 0.05;  ///< tissue that moves further in one step has run away: the step is taken back [m]
+  double recovery = 0.5e-3;   ///< overlap that a step undoes at most [m]
+  double runaway_speed = 20;  ///< tissue that moves faster has run away: the step is taken back [m/s]
 };
 
 struct WorldSetup {
@@ -61,6 +62,7 @@ enum class EventKind : std::uint8_t {
   bleeding,
   input_fault,
   input_recovered,
+  not_solved,
   ran_away,
   inverted,
 };
@@ -81,10 +83,11 @@ struct StepReport {
   std::size_t contacts = 0;
   FrictionSolution friction;      ///< its forces belong to `World::contacts`
   double nonlinear_residual = 0;  ///< Motion::finish
+  double contact_error = 0;       ///< overlap that the step leaves beyond what it meant to, largest [m]
   double deepest_overlap = 0;     ///< of all contacts, at the step's start [m]
   std::size_t touched = 0;        ///< vertices that edits touched since the compliance was factored
   std::size_t inverted = 0;       ///< tets turned inside out
-  std::size_t stuck = 0;           ///< tets beyond their ultimate stretch that no crack could relieve
+  std::size_t stuck = 0;          ///< tets beyond their ultimate stretch that no crack could relieve
   double largest_stretch = 1;
   bool ran_away = false;               ///< the step was taken back
   [[nodiscard]] double total() const;  ///< [s], without waiting
@@ -184,7 +187,8 @@ class World {
   std::vector<std::array<VertexId, 3>> to_part_;
   std::vector<std::uint8_t> closed_;  // m, tets of tubes that clips close
 
-  std::uint32_t next_source_ = 0;  // of fluids: those below have been told
+  std::set<std::uint32_t> flowing_;  // fluid sources that flow, by id
+  bool unsolved_before_ = false;
   std::size_t inverted_before_ = 0;
 
   // Of the last step.

@@ -54,7 +54,7 @@ void World::withdraw_blades() {
     bool inside = false;
     for (const Pose& jaw : {parts.jaw_a, parts.jaw_b})
       for (int k = 0; k <= 8 && !inside; ++k)
-        inside = surface_.nearest(arm.from() * (jaw * Vec3(0, 0, arm.geometry().jaw_length * k / 8))).distance < 1e-3;
+        inside = surface_.nearest(arm.from() * (jaw * Vec3(0, 0, arm.geometry().jaw_length * k / 8))).distance < 2e-4;
     arm.in_cut = inside;
   }
 }
@@ -70,6 +70,9 @@ void World::find_contacts() {
       shape_owner_.emplace_back(static_cast<std::uint32_t>(k), parts[p]);
   }
   contacts_ = detect(surface_, state_.positions, motion_of_step_, {shapes_, still_}, options_.contact);
+  for (TissueContact& contact : contacts_)
+    if (contact.partner == ContactPartner::shape && !arms_[shape_owner_[contact.shape].first].setup().friction)
+      contact.friction = properties_.at(model_.mesh().regions[contact.point.tet.index()]).friction;
   // Held tissue is the grasp's business.
   std::erase_if(contacts_, [&](const TissueContact& contact) {
     if (contact.partner != ContactPartner::shape) return false;
@@ -133,6 +136,12 @@ void World::solve_contacts(PhaseClock& clock) {
   answer.apply(contact_forces_, guess_);
   keep_parts_apart();
   report_.response = motion_.add_response(contact_forces_, guess_, answer, options_.solver, motion_of_step_);
+  // What the contacts really came to: the compliance they were solved with is an approximation once tissue has turned.
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const double gap = std::max(contacts_[k].gap, -options_.recovery) +
+                       contacts_[k].normal.dot(motion_at(rows_[k], motion_of_step_) - contacts_[k].partner_motion);
+    report_.contact_error = std::max(report_.contact_error, -gap);
+  }
   clock.end(Phase::response);
 }
 

@@ -12,10 +12,21 @@
 namespace calot {
 namespace {
 
-// Ligaments of tissue that is gone go with it.
+// Ligaments of tissue that is gone go with it; where their vertex is doubled they hold both copies.
 std::vector<Spring> followed(const std::vector<Spring>& springs, const Remap& remap) {
   std::vector<Spring> result;
   for (Spring spring : springs) {
+    std::vector<VertexId> copies;
+    for (std::size_t k = 0; k < remap.added_vertices.size(); ++k)
+      if (remap.added_from[k].from == spring.vertex && remap.added_from[k].to == spring.vertex)
+        copies.push_back(remap.added_vertices[k]);
+    spring.stiffness /= static_cast<double>(1 + copies.size());
+    for (const VertexId copy : copies) {
+      Spring other = spring;
+      other.vertex = copy;
+      if (spring.other.valid()) other.other = remap.vertex_to_new[spring.other.index()];
+      if (!spring.other.valid() || other.other.valid()) result.push_back(other);
+    }
     spring.vertex = remap.vertex_to_new[spring.vertex.index()];
     if (spring.other.valid()) {
       spring.other = remap.vertex_to_new[spring.other.index()];
@@ -33,6 +44,31 @@ std::vector<TetId> followed(const std::vector<TetId>& tets, const Remap& remap) 
   return result;
 }
 
+// The same, and the pieces of those that were cut.
+std::vector<TetId> followed_with_pieces(const std::vector<TetId>& tets, const Remap& remap) {
+  std::vector<TetId> result = followed(tets, remap);
+  for (std::size_t k = 0; k < remap.added_tets.size(); ++k)
+    if (std::binary_search(tets.begin(), tets.end(), remap.added_parents[k])) result.push_back(remap.added_tets[k]);
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+// Numbers that the mesh doesn't have: looked for before anything is read by them.
+bool names_only_what_is_there(const TopologyEdit& edit, const TetMesh& mesh) {
+  const std::size_t n = mesh.vertex_count(), m = mesh.tet_count(), all = n + edit.vertices.size();
+  const auto vertex = [&](VertexId v) { return v.index() < n; };
+  return std::all_of(edit.removed.begin(), edit.removed.end(), [&](TetId t) { return t.index() < m; }) &&
+         std::is_sorted(edit.removed.begin(), edit.removed.end()) &&
+         std::all_of(edit.vertices.begin(), edit.vertices.end(),
+                     [&](const AddedVertex& v) { return vertex(v.from) && vertex(v.to); }) &&
+         std::all_of(edit.moved.begin(), edit.moved.end(),
+                     [&](const MovedVertex& v) { return vertex(v.vertex) && vertex(v.to); }) &&
+         std::all_of(edit.tets.begin(), edit.tets.end(), [&](const AddedTet& t) {
+           return t.parent.index() < m &&
+                  std::all_of(t.vertices.begin(), t.vertices.end(), [&](VertexId v) { return v.index() < all; });
+         });
+}
+
 // Flags of tets; pieces have their parent's.
 std::vector<std::uint8_t> followed(const std::vector<std::uint8_t>& flags, const Remap& remap) {
   std::vector<std::uint8_t> result(remap.tet_to_old.size(), 0);
@@ -48,6 +84,10 @@ std::vector<std::uint8_t> followed(const std::vector<std::uint8_t>& flags, const
 // The order: first what the others look at (mesh, positions), then all who keep numbers of vertices or tets.
 void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& text, std::int32_t instrument) {
   if (edit.empty()) return;
+  if (!names_only_what_is_there(edit, model_.mesh())) {
+    say(EventKind::cut_refused, instrument, 0, "the edit names vertices or tets that the mesh doesn't have");
+    return;
+  }
   const ChangedTets changed = changed_tets(edit, around_);
   std::vector<ElementChange> elements = leaving(model_, changed);
   StiffnessChange change;
@@ -79,16 +119,23 @@ void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& t
   fluids_.follow(remap, model_.mesh(), around_);
   tearing_.follow(remap, model_.mesh());
   to_vaporise_ = followed(to_vaporise_, remap);
-  to_stiffen_ = followed(to_stiffen_, remap);
+  to_stiffen_ = followed_with_pieces(to_stiffen_, remap);
+  for (auto& face : to_part_)
+    for (VertexId& v : face) v = remap.vertex_to_new[v.index()];
+  std::erase_if(to_part_, [](const auto& face) { return !face[0].valid() || !face[1].valid() || !face[2].valid(); });
   closed_ = followed(closed_, remap);
   say(cause, instrument, static_cast<double>(edit.tets.size() + edit.removed.size()), text);
   changes_.push_back(std::move(change));
 }
 
 void World::edit_tissue() {
-  for (std::size_t k = 0; k < arms_.size(); ++k)
-    if (arms_[k].scissors) cut_with_scissors(k);
-  part_torn();
+  try {
+    part_torn();
+    for (std::size_t k = 0; k < arms_.size(); ++k)
+      if (arms_[k].scissors) cut_with_scissors(k);
+  } catch (const InputError& refused) {
+    say(EventKind::cut_refused, -1, 0, refused.what());
+  }
   remove_vaporised();
   stiffen();
 }
@@ -102,7 +149,6 @@ void World::cut_with_scissors(std::size_t k) {
     return;
   }
   if (sweep.triangles.empty()) return;
-  arm.in_cut = true;
   const auto number = static_cast<std::int32_t>(k);
   if (options_.split) {
     SplitOptions options;
@@ -120,11 +166,13 @@ void World::cut_with_scissors(std::size_t k) {
          arm.setup().name + " cut " + std::to_string(cut.report.crossed) + " edges, opened " +
              std::to_string(cut.report.separated) + " faces",
          number);
+    arm.in_cut = arm.in_cut || (changes_.size() > before && cut.report.separated > 0);
     arm.stroke = changes_.size() > before ? calot::follow(next, changes_.back().remap) : Stroke{};
     return;
   }
   TopologyEdit removal;
   removal.removed = crossed_tets(model_.mesh(), state_.positions, sweep);
+  arm.in_cut = arm.in_cut || !removal.empty();
   edit(removal, EventKind::cut,
        arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed",
        number);

@@ -11,7 +11,7 @@ constexpr double suction_radius = 8e-3;     // pooled fluid this near to the tip
 constexpr double suction_flow = 50e-6;      // [m³/s]; assumed, 3 L a minute
 constexpr double spread_of_contact = 4e-6;  // area a contact point stands for [m²]: contacts lie 2 mm apart
 
-constexpr double clip_reach = 1e-3;         // jaws catch a clip this far beyond their faces [m]
+constexpr double clip_reach = 1e-3;  // jaws catch a clip this far beyond their faces [m]
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void World::follow_up(std::span<const Vec3> before) {
 void World::grip_clips() {
   for (InstrumentArm& arm : arms_) {
     if (!arm.grasp) continue;
-    if (arm.opening_to() > arm.opening_from() + 1e-9) arm.held_clip = -1;
+    if (arm.input().opening > arm.clip_opening + 0.02) arm.held_clip = -1;
     if (arm.held_clip < 0 && arm.closing())
       for (std::size_t k = 0; k < clips_.size() && arm.held_clip < 0; ++k) {
         if (clips_[k].state() == ClipState::off) continue;
@@ -48,6 +48,7 @@ void World::grip_clips() {
           continue;
         arm.held_clip = static_cast<std::int32_t>(k);
         arm.clip_anchor = place;
+        arm.clip_opening = arm.input().opening;
       }
     if (arm.held_clip < 0) continue;
     const Clip& clip = clips_[static_cast<std::size_t>(arm.held_clip)];
@@ -74,8 +75,8 @@ void World::pull_clips(std::span<const Vec3> before) {
     const Vec3 motion = arm.to() * arm.clip_anchor - clip.frame().position;
     Vec3 force = Vec3::Zero();
     for (const auto& [vertex, weight] : clip.held())
-      force += weight * arm.geometry().grip_stiffness *
-               (before[vertex.index()] + motion - state_.positions[vertex.index()]);
+      force +=
+          weight * arm.geometry().grip_stiffness * (before[vertex.index()] + motion - state_.positions[vertex.index()]);
     clip.pull(force);
     arm.force -= force;
   }
@@ -149,11 +150,10 @@ void World::update_injury() {
     touch.point = contact.point;
     touch.force = force;
     touch.area = spread_of_contact;
-    Vec3 tissue = Vec3::Zero();
-    for (std::size_t i = 0; i < 3; ++i)
-      tissue +=
-          contact.point.weights[static_cast<Eigen::Index>(i)] * motion_of_step_[contact.point.vertices[i].index()];
-    const Vec3 speed = (contact.partner_motion - tissue) / h;
+    // How fast they met: before the contact's own forces, which take the speed away.
+    Vec3 parting = problem_.free_motion.segment<3>(3 * static_cast<Eigen::Index>(k));
+    parting.x() -= std::max(contact.gap, -options_.recovery);
+    const Vec3 speed = rows_[k].frame * -parting / h;
     touch.speed = speed.norm();
     touch.angle = touch.speed > 1e-9 ? std::acos(std::clamp(speed.dot(contact.normal) / touch.speed, -1.0, 1.0)) : 0;
     touch.edge = shape_owner_[contact.shape].second != 0;
@@ -200,14 +200,20 @@ void World::update_fluids() {
   const double h = model_.dynamics().time_step;
   fluids_.step(h, model_.mesh(), state_.positions, heat_.coagulation(), closed_);
   for (const FluidSource& source : fluids_.sources()) {
-    if (source.id < next_source_ || source.kind == FluidSourceKind::injury) continue;
+    if (source.kind == FluidSourceKind::injury) continue;
+    const bool flows = source.rate > 0 && !source.ended;
+    if (flows == flowing_.contains(source.id)) continue;
+    if (!flows) {
+      flowing_.erase(source.id);
+      continue;
+    }
+    flowing_.insert(source.id);
     const auto region = model_.mesh().region_names.find(source.region);
     const std::string name = region == model_.mesh().region_names.end() ? "tissue" : region->second;
     const bool vessel = source.kind == FluidSourceKind::vessel;
-    say(vessel && source.fluid == Fluid::bile ? EventKind::leaking : EventKind::bleeding, -1,
-        millilitres(source.rate), name + (vessel ? " is open" : " oozes"));
+    say(vessel && source.fluid == Fluid::bile ? EventKind::leaking : EventKind::bleeding, -1, millilitres(source.rate),
+        name + (vessel ? " is open" : " oozes"));
   }
-  for (const FluidSource& source : fluids_.sources()) next_source_ = std::max(next_source_, source.id + 1);
   for (const InstrumentArm& arm : arms_)
     if (arm.geometry().kind == InstrumentKind::suction && arm.input().energy)
       fluids_.suck(arm.to().position, suction_radius, suction_flow, h);
