@@ -175,11 +175,12 @@ void Grasp::place_jaws(const GraspStep& step) {
     side(s).pose = jaw_pose(geometry_, step.to, opening_, s);
     side(s).direction = side(s).pose.rotation * face_direction(s);
   }
+  const Pose carried = step.to * step.from.inverse();  // tissue between the jaws goes along with them
   for (Hold& hold : holds_) {
     const std::size_t v = hold.vertex.index();
     hold.place = step.surface.positions[v] + step.step * step.velocities[v];
     hold.target = side(hold.side).pose * hold.anchor;
-    hold.depth = (hold.target - step.surface.positions[v]).dot(side(hold.side).direction);
+    hold.depth = (hold.target - carried * step.surface.positions[v]).dot(side(hold.side).direction);
   }
 }
 

@@ -92,7 +92,7 @@ class Grasp {
     Vec3 anchor = Vec3::Zero();    // in the jaw's frame
     double area = 0;               // seen by the jaw [m²]
     double limit = 0;              // friction [N]
-    double depth = 0;              // how far the face has come into where the tissue was at the start of the step [m]
+    double depth = 0;              // of the face in the tissue, where that goes along with the jaws [m]
     double along = 0, across = 0;  // stiffness along the normal and across it, in this step [N/m]
     Vec3 pull = Vec3::Zero();      // while it slides: how far beyond the anchor the spring aims
     bool slides = false;           // in this step: pulled by `limit` towards where it was stretched to

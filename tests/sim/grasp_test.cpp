@@ -407,6 +407,33 @@ TEST(Grasp, HoldsRealTetsAndStopsAtTheirThickness) {
   EXPECT_NEAR(grasp.report().pull.x(), 0.02, 0.002);
 }
 
+/// Lifted across its jaws, as fast as a hand lifts, a grasper keeps both of them on what it holds.
+TEST(Grasp, DoesNotChatterWhenItLifts) {
+  TetMesh mesh = test::box_mesh(16, 2, 4, {32 * mm, 4 * mm, 8 * mm});
+  for (Vec3& x : mesh.positions) x += Vec3(-4 * mm, -2 * mm, 12 * mm);
+  const double h = 1.0 / 60, lift = 0.3 * mm;
+  test::LinearTissue tissue(mesh, {200e3, 0.4, 1000}, std::vector<std::uint8_t>(mesh.vertex_count(), 0), h);
+  Grasp grasp(grasper(), 0.6);
+  const std::vector<Vec3> forces(mesh.vertex_count(), Vec3::Zero());
+  double widest = 0, narrowest = 1;
+  for (int k = 0; k < 160; ++k) {
+    Pose from, to;
+    from.position.y() = lift * std::max(0, k - 80);
+    to.position.y() = lift * std::max(0, k - 79);
+    grasp.update(
+        {h, from, to, std::max(0.0, 0.6 - 0.02 * k), 3.0, tissue.surface(), tissue.velocities, tissue.rest, false});
+    std::vector<Spring> springs;
+    grasp.springs(springs);
+    tissue.advance(springs, forces);
+    grasp.after_step(tissue.positions);
+    if (k < 100) continue;
+    widest = std::max(widest, grasp.opening());
+    narrowest = std::min(narrowest, grasp.opening());
+    EXPECT_GT(std::min(grasp.report().a.area, grasp.report().b.area), 20e-6) << k;
+  }
+  EXPECT_LT(widest - narrowest, 2e-3);
+}
+
 TEST(Grasp, SameInputSameBytes) {
   std::array<std::string, 2> states;
   for (std::string& state : states) {
