@@ -245,6 +245,8 @@ class ShapeContacts {
       motion += weights(c) * surface_.motion()[own.vertices[c].index()];
     }
     contact.gap = contact.normal.dot(candidate.at - contact.place);
+    // Tissue that would run over the piece in this step meets it with its near side; the far side starts out beyond.
+    if (k > 0 && contact.gap < -(piece.radius + options_.margin)) return;
     candidate.expected = contact.gap + contact.normal.dot(motion - contact.partner_motion);
     if (candidate.expected > options_.margin) return;
     const Feature feature(own, weights);

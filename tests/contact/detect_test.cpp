@@ -179,6 +179,24 @@ TEST(Detect, NoToolPassesThroughADuct) {
   EXPECT_GT(missing, 50);
 }
 
+TEST(Detect, TissueThatWouldRunOverAToolMeetsItWithItsNearSideOnly) {
+  const TetMesh mesh = box_mesh(10, 6, 2, {0.02, 0.012, 0.004});
+  ContactSurface surface(mesh);
+  RigidShape rod;
+  rod.pieces = {{{Vec3(-0.01, 0, 0), Vec3(0.01, 0, 0), Vec3::Zero()}, 2, 0.8e-3}};
+  const Pose pose{Eigen::Quaterniond::Identity(), Vec3(0.01, 0.006, -0.003)};
+  for (const double fall : {0.003, 0.005, 0.0065, 0.007, 0.0075, 0.009, 0.015, 0.03}) {
+    const std::vector<Vec3> falling(mesh.vertex_count(), Vec3(0, 0, -fall));
+    const std::vector<MovingShape> shapes{{&rod, pose, pose, 0.1}};
+    const auto contacts = detect(surface, mesh.positions, falling, {shapes, {}}, {});
+    EXPECT_FALSE(contacts.empty()) << fall;
+    for (const TissueContact& contact : contacts) {
+      EXPECT_NEAR(contact.gap, 2.2e-3, 1e-6) << fall;
+      EXPECT_GT(contact.normal.z(), 0.99) << fall;
+    }
+  }
+}
+
 TEST(Detect, AToolInsideTissueIsShownTheNearestWayOut) {
   const TetMesh mesh = box_mesh(6, 6, 3, {0.06, 0.06, 0.03});
   const RigidShape shape = ball(0.001);
