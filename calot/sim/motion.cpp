@@ -239,10 +239,14 @@ double Motion::finish(const TissueState& before, const TissueState& after, std::
     missing[a] -= pull;
     if (spring.other.valid()) missing[spring.other.index()] += pull;
   }
-  double sum = 0;
-  for (std::size_t v = 0; v < missing.size(); ++v)
-    if (!fixed_[v]) sum += missing[v].squaredNorm();
-  const double scale = dot(b_, b_);
+  double sum = 0, elastic = 0, weight = 0;
+  for (std::size_t v = 0; v < missing.size(); ++v) {
+    if (fixed_[v]) continue;
+    sum += missing[v].squaredNorm();
+    elastic += elastic_[v].squaredNorm();
+    weight += (masses_[v] * gravity_).squaredNorm();
+  }
+  const double scale = std::max({dot(b_, b_), elastic, weight});
   return scale == 0 ? 0 : std::sqrt(sum / scale);
 }
 

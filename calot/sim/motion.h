@@ -51,7 +51,8 @@ class Motion {
 
   /// Ends the begun step, whose displacements were d, once `tissue` (the same object) has been turned for the new
   /// positions. @return how far the linear step is from the true corotational one: ‖M (v' − v)/h − all forces at the
-  /// end of the step, rotations and elastic forces taken anew‖ / ‖b‖. `contact`: contact forces [N], n or empty.
+  /// end of the step, rotations and elastic forces taken anew‖ / the largest of ‖b‖, ‖f_elastic‖ and ‖M g‖ (at rest
+  /// they balance, and b is nothing). `contact`: contact forces [N], n or empty.
   double finish(const TissueState& before, const TissueState& after, std::span<const Vec3> contact);
 
   /// Parts that nothing joins in the begun step, neither tets nor springs, are solved each for itself, so that one does
