@@ -1,5 +1,6 @@
 #include "calot/sim/world.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -19,6 +20,27 @@ const Model& checked(const Model& model) {
   if (model.dynamics().mass_lumping != MassLumping::element)
     throw InputError("mass_lumping", "must be \"element\" in a simulation", "leave it out of the model");
   return model;
+}
+
+const std::vector<Spring>& checked(const std::vector<Spring>& ligaments, const TetMesh& mesh) {
+  for (std::size_t k = 0; k < ligaments.size(); ++k) {
+    const Spring& spring = ligaments[k];
+    const auto refuse = [&](const std::string& what, const std::string& remedy) {
+      throw InputError("ligament " + std::to_string(k), what, remedy);
+    };
+    for (const VertexId v : {spring.vertex, spring.other})
+      if (v.index() >= mesh.vertex_count() && (v.valid() || v == spring.vertex))
+        refuse("names a vertex that the mesh doesn't have", "name one below " + std::to_string(mesh.vertex_count()));
+    if (!spring.anchor.allFinite() || !spring.velocity.allFinite())
+      refuse("has an anchor that isn't finite", "give a place in metres");
+    const double size = spring.stiffness.norm();
+    if (!std::isfinite(size) || !((spring.stiffness - spring.stiffness.transpose()).norm() <= 1e-9 * size) ||
+        !(Eigen::SelfAdjointEigenSolver<Mat3>(spring.stiffness, Eigen::EigenvaluesOnly).eigenvalues().minCoeff() >=
+          -1e-9 * size))
+      refuse("has a stiffness that isn't symmetric and positive semidefinite", "give one in N/m that is");
+    if (!(spring.damping >= 0) || !std::isfinite(spring.damping)) refuse("has a damping below 0", "give one >= 0 s");
+  }
+  return ligaments;
 }
 
 std::vector<VertexId> supplies_of(const WorldSetup& setup) {
@@ -106,7 +128,7 @@ World::World(WorldSetup setup)
       motion_(model_),
       around_(vertex_tets(model_.mesh())),
       surface_(model_.mesh()),
-      ligaments_(setup.ligaments),
+      ligaments_(checked(setup.ligaments, model_.mesh())),
       heat_(model_.mesh(), properties_),
       injury_(model_.mesh(), properties_),
       fluids_(model_.mesh(), properties_, supplies_of(setup)),
