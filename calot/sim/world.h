@@ -111,6 +111,7 @@ class World {
   [[nodiscard]] const Injury& injury() const { return injury_; }
   [[nodiscard]] const Fluids& fluids() const { return fluids_; }
   [[nodiscard]] const std::vector<TissueContact>& contacts() const { return contacts_; }  ///< of the last step
+  [[nodiscard]] const FrictionProblem& friction_problem() const { return problem_; }  ///< of those contacts
   [[nodiscard]] const StepReport& report() const { return report_; }
   [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }  ///< since the start
   [[nodiscard]] const std::vector<StiffnessChange>& changes() const {
