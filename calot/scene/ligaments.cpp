@@ -12,21 +12,29 @@ namespace {
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 struct Load {
-  double mass = 0;  // [kg]
+  double mass = 0;    // of all that isn't held in place [kg]
+  double weight = 0;  // the mass that gravity acts on [kg]
   Vec3 centre = Vec3::Zero();
 };
 
-/// Of each group of vertices, what isn't held in place.
-std::map<std::uint32_t, Load> loads_of(const Model& model, const std::vector<std::uint32_t>& groups) {
-  const std::vector<double> masses = model.vertex_masses();
+/// Of each group of vertices.
+std::map<std::uint32_t, Load> loads_of(const Model& model, const std::vector<std::uint32_t>& groups,
+                                       const std::set<std::int32_t>& carried) {
+  const TetMesh& mesh = model.mesh();
   std::map<std::uint32_t, Load> loads;
-  for (std::size_t v = 0; v < masses.size(); ++v) {
-    if (model.is_fixed(VertexId(v))) continue;
-    Load& load = loads[groups[v]];
-    load.mass += masses[v];
-    load.centre += masses[v] * model.mesh().positions[v];
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    const double mass = model.material(TetId(t)).density * signed_volume(mesh, TetId(t)) / 4;
+    for (const VertexId v : mesh.tets[t]) {
+      if (model.is_fixed(v)) continue;
+      Load& load = loads[groups[v.index()]];
+      load.mass += mass;
+      if (carried.contains(mesh.regions[t])) continue;
+      load.weight += mass;
+      load.centre += mass * mesh.position(v);
+    }
   }
-  for (auto& [group, load] : loads) load.centre /= load.mass;
+  for (auto& [group, load] : loads)
+    if (load.weight > 0) load.centre /= load.weight;
   return loads;
 }
 
@@ -57,7 +65,7 @@ void hang_body(const Model& model, const std::vector<VertexId>& held, const Load
   for (const VertexId v : held) middle += places[v.index()] / count;
   std::vector<Vec3> arms;
   for (const VertexId v : held) arms.emplace_back(places[v.index()] - middle);
-  const Vec3 force = -load.mass * gravity, torque = (load.centre - middle).cross(force);
+  const Vec3 force = -load.weight * gravity, torque = (load.centre - middle).cross(force);
   const Vec6 stretch = stretch_for(arms, whole / count, force, torque);
   for (std::size_t k = 0; k < held.size(); ++k) {
     Spring spring;
@@ -71,9 +79,10 @@ void hang_body(const Model& model, const std::vector<VertexId>& held, const Load
 
 }  // namespace
 
-std::vector<Spring> hang(const Model& model, const std::vector<VertexId>& held, const Vec3& gravity) {
+std::vector<Spring> hang(const Model& model, const std::vector<VertexId>& held, const std::set<std::int32_t>& carried,
+                         const Vec3& gravity) {
   const std::vector<std::uint32_t> groups = vertex_connected_groups(model.mesh());
-  std::map<std::uint32_t, Load> loads = loads_of(model, groups);
+  const std::map<std::uint32_t, Load> loads = loads_of(model, groups, carried);
   std::map<std::uint32_t, std::vector<VertexId>> held_of_group;
   for (const VertexId v : held) held_of_group[groups[v.index()]].push_back(v);
   std::vector<Spring> springs;

@@ -1,5 +1,6 @@
 // Inside this room only: bodies that hang on ligaments instead of being held in place.
 #pragma once
+#include <set>
 #include <vector>
 
 #include "calot/fem/model.h"
@@ -17,6 +18,8 @@ inline constexpr double ligament_damping = 0.7;
 /// hangs together. They carry its weight, so that as a rigid whole it stays where the model has it: each is stretched
 /// by a shift and a small turn common to all, found from the balance of forces and torques.
 /// @param held  free vertices, ascending
-std::vector<Spring> hang(const Model& model, const std::vector<VertexId>& held, const Vec3& gravity);
+/// @param carried  regions whose weight their surroundings carry
+std::vector<Spring> hang(const Model& model, const std::vector<VertexId>& held, const std::set<std::int32_t>& carried,
+                         const Vec3& gravity);
 
 }  // namespace calot::detail

@@ -82,8 +82,10 @@ WorldSetup make_world_setup(const Scene& scene, SceneTissue tissue) {
   for (const SceneInstrument& tool : scene.instruments) instruments.push_back(instrument_of(tool, tissue));
   std::vector<StillSurface> still;
   for (const SceneSurface& surface : scene.surfaces) still.push_back(still_of(surface));
+  WorldOptions options = options_of(scene);
+  options.carried = std::move(tissue.carried);
   return {std::move(tissue.model), std::move(tissue.properties), std::move(instruments),
-          std::move(still),        std::move(tissue.ligaments),  options_of(scene)};
+          std::move(still),        std::move(tissue.ligaments),  std::move(options)};
 }
 
 std::string scene_hash(const Scene& scene, const WorldSetup& setup) {

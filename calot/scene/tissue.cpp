@@ -134,8 +134,12 @@ SceneTissue load_tissue(const Scene& scene) {
     for (std::size_t t = 0; t < model.mesh().tet_count(); ++t) all.emplace_back(t);
     (void)model.scale_stiffness(all, parts.stiffness_scale);
   }
-  std::vector<Spring> ligaments = detail::hang(model, parts.hung, scene.gravity);
-  return {std::move(model), std::move(properties), std::move(bodies), std::move(ligaments), std::move(parts.patient)};
+  SceneTissue tissue{std::move(model), std::move(properties), std::move(bodies), {}, {}, std::move(parts.patient)};
+  if (tissue.patient)
+    for (const auto& [region, kind] : tissue.bodies)
+      if (region == label_of(Structure::liver) && kind != BodyKind::still) tissue.carried.insert(region);
+  tissue.ligaments = detail::hang(tissue.model, parts.hung, tissue.carried, scene.gravity);
+  return tissue;
 }
 
 std::optional<Vec3> port_of(const SceneInstrument& instrument, const SceneTissue& tissue) {

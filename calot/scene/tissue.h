@@ -2,6 +2,7 @@
 #pragma once
 #include <map>
 #include <optional>
+#include <set>
 
 #include "calot/fem/model.h"
 #include "calot/patient/patient.h"
@@ -15,7 +16,8 @@ struct SceneTissue {
   Model model;  ///< its step and damping are the scene's; static regions are fixed, rigid ones stiff
   std::map<std::int32_t, TissueProperties> properties;  ///< of every region; density is the material's
   std::map<std::int32_t, BodyKind> bodies;              ///< of every region
-  std::vector<Spring> ligaments;                        ///< on which rigid regions hang
+  std::vector<Spring> ligaments;                        ///< on which regions hang
+  std::set<std::int32_t> carried;                       ///< regions whose weight their surroundings carry
   std::optional<Patient> patient;                       ///< where there is one; its mesh has moved into `model`
 };
 

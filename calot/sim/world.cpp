@@ -137,6 +137,18 @@ World::World(WorldSetup setup)
   for (InstrumentSetup& instrument : setup.instruments) arms_.emplace_back(std::move(instrument));
   closed_.assign(model_.mesh().tet_count(), 0);
   renew_triangles();
+  weigh_carried();
+}
+
+void World::weigh_carried() {
+  if (options_.carried.empty()) return;
+  const TetMesh& mesh = model_.mesh();
+  carried_masses_.assign(mesh.vertex_count(), 0);
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    if (!options_.carried.contains(mesh.regions[t])) continue;
+    const double mass = model_.material(TetId(t)).density * signed_volume(mesh, TetId(t));
+    for (const VertexId v : mesh.tets[t]) carried_masses_[v.index()] += mass / 4;
+  }
 }
 
 void World::renew_triangles() {
@@ -250,6 +262,7 @@ void World::gather_springs() {
   }
   grip_clips();
   loads_.assign(state_.positions.size(), Vec3::Zero());
+  for (std::size_t v = 0; v < carried_masses_.size(); ++v) loads_[v] = -carried_masses_[v] * options_.gravity;
   for (Clip& clip : clips_) {
     clip.springs(h, springs_);
     clip.loads(loads_);
@@ -316,6 +329,8 @@ double World::energy() const {
   double sum = tissue_.energy(state_.positions);
   for (std::size_t v = 0; v < state_.positions.size(); ++v)
     sum += motion_.masses()[v] * (0.5 * state_.velocities[v].squaredNorm() - options_.gravity.dot(state_.positions[v]));
+  for (std::size_t v = 0; v < carried_masses_.size(); ++v)
+    sum += carried_masses_[v] * options_.gravity.dot(state_.positions[v]);
   return sum;
 }
 

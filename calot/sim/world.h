@@ -29,8 +29,9 @@ struct WorldOptions {
   FrictionOptions friction;
   ContactOptions contact;
   RefreshOptions refresh;
-  double recovery = 0.5e-3;   ///< overlap that a step undoes at most [m]
-  double runaway_speed = 20;  ///< tissue that moves faster has run away: the step is taken back [m/s]
+  double recovery = 0.5e-3;        ///< overlap that a step undoes at most [m]
+  double runaway_speed = 20;       ///< tissue that moves faster has run away: the step is taken back [m/s]
+  std::set<std::int32_t> carried;  ///< regions whose weight their surroundings carry: gravity doesn't move them
 };
 
 struct WorldSetup {
@@ -111,7 +112,7 @@ class World {
   [[nodiscard]] const Injury& injury() const { return injury_; }
   [[nodiscard]] const Fluids& fluids() const { return fluids_; }
   [[nodiscard]] const std::vector<TissueContact>& contacts() const { return contacts_; }  ///< of the last step
-  [[nodiscard]] const FrictionProblem& friction_problem() const { return problem_; }  ///< of those contacts
+  [[nodiscard]] const FrictionProblem& friction_problem() const { return problem_; }      ///< of those contacts
   [[nodiscard]] const StepReport& report() const { return report_; }
   [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }  ///< since the start
   [[nodiscard]] const std::vector<StiffnessChange>& changes() const {
@@ -160,6 +161,7 @@ class World {
   void say(EventKind kind, std::int32_t instrument, double amount, std::string text);
   [[nodiscard]] TissueSurface tissue_surface() const;
   void renew_triangles();
+  void weigh_carried();
 
   // Constant.
   std::map<std::int32_t, TissueProperties> properties_;
@@ -172,6 +174,7 @@ class World {
   Corotational tissue_;
   Motion motion_;
   VertexTets around_;
+  std::vector<double> carried_masses_;  // n, of the carried regions; empty without any [kg]
   ContactSurface surface_;
   std::vector<std::array<VertexId, 3>> triangles_;
   std::vector<InstrumentArm> arms_;

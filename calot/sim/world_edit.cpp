@@ -108,6 +108,7 @@ void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& t
   compliance_.follow(elements, remap);
   surface_.follow(model_.mesh(), remap);
   renew_triangles();
+  weigh_carried();
   for (InstrumentArm& arm : arms_) {
     if (arm.grasp) arm.grasp->follow(remap, positions_before, state_.positions);
     arm.stroke = calot::follow(arm.stroke, remap);

@@ -70,6 +70,30 @@ TEST(World, FreeTissueFalls) {
   }
 }
 
+TEST(World, GravityMovesWhatIsNotCarriedOnly) {
+  TetMesh mesh = test::box_mesh(4, 2, 2, Vec3(0.04, 0.02, 0.02));
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+    if (mesh.position(mesh.tets[t][0]).x() + mesh.position(mesh.tets[t][3]).x() > 0.0399) mesh.regions[t] = 2;
+  const std::vector<std::uint8_t> free(mesh.vertex_count(), 0);
+  const Material soft{1e4, 0.4, 1000};
+  WorldSetup setup = setup_of(Model(mesh, {{1, soft}, {2, soft}}, free, {.time_step = 1.0 / 60}));
+  setup.options.carried = {2};
+  double carried = 0, whole = 0;
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+    (mesh.regions[t] == 2 ? carried : whole) += signed_volume(mesh, TetId(t));
+  whole += carried;
+  World world(std::move(setup));
+  const double energy = world.energy();
+  world.step({});
+  // The momentum of all is what gravity gave to the rest.
+  Vec3 momentum = Vec3::Zero();
+  const std::vector<double> masses = world.model().vertex_masses();
+  for (std::size_t v = 0; v < masses.size(); ++v) momentum += masses[v] * world.state().velocities[v];
+  EXPECT_GT(carried, 0.3 * whole);
+  EXPECT_NEAR(momentum.z(), -9.81 / 60 * 1000 * (whole - carried), 1e-4 * momentum.norm());
+  EXPECT_LE(world.energy(), energy);
+}
+
 TEST(World, EnergyDoesNotGrowWithoutWork) {
   WorldSetup setup = setup_of(soft_box(3, Vec3(0.02, 0.02, 0.06), 5e3, [](const Vec3& x) { return x.z() < 1e-9; }));
   setup.options.gravity = Vec3(0, -9.81, 0);
