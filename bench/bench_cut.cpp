@@ -5,6 +5,7 @@
 #include "bench/accuracy.h"
 #include "bench/benchmarks.h"
 #include "bench/organ.h"
+#include "bench/simulation_rows.h"
 #include "bench/three_ways.h"
 #include "calot/base/error.h"
 #include "calot/cut/split.h"
@@ -99,19 +100,6 @@ std::vector<SplitEdit> split_transections(const Organ& organ, std::size_t count)
   return splits;
 }
 
-// Algorithms 1 and 2 on the same matrix in memory [s].
-double paper_in_memory(const Organ& organ, const Edit& edit) {
-  FullCompliance full = precompute(organ.model).full();
-  Model model = organ.model;
-  const StiffnessChange change = model.apply(edit);
-  return seconds_of([&] { paper_update(full, change.struck, model.mesh()); });
-}
-
-std::vector<double> milliseconds(std::vector<double> seconds) {
-  for (double& s : seconds) s *= 1e3;
-  return seconds;
-}
-
 // The same transections by splitting; `removing` has the times of removal.
 std::vector<Row> split_rows(const Organ& organ, const BenchOptions& options, const CutTimes& removing) {
   const std::vector<SplitEdit> splits = split_transections(organ, 24);
@@ -153,7 +141,7 @@ std::vector<Row> bench_cut(const BenchOptions& options) {
   }
   const std::vector<Row> of_splits = split_rows(organ, options, times);
   std::vector<double> in_memory;
-  for (int k = 0; k < 3; ++k) in_memory.push_back(paper_in_memory(organ, cuts[cuts.size() / 2]));
+  for (int k = 0; k < 3; ++k) in_memory.push_back(paper_in_memory(organ.model, cuts[cuts.size() / 2]));
   const double through_files = paper_through_files(organ.model, cuts[cuts.size() / 2]);
 
   const std::string size = std::to_string(times.tets) + " tets, rank " + std::to_string(times.rank);
@@ -186,6 +174,11 @@ std::vector<Row> bench_cut(const BenchOptions& options) {
   Row eigenvalue = {.name = "cut.smallest_eigenvalue", .value = times.eigenvalue, .unit = "1"};
   std::vector<Row> rows{usable, fold, query, files, error, block, eigenvalue};
   rows.insert(rows.end(), of_splits.begin(), of_splits.end());
+  if (!options.model.empty()) return rows;
+  const Organ small = make_organ_of_tets(options, 10000, 1.0 / 60);
+  if (options.progress) options.progress->phase("cutting while simulating");
+  const std::vector<Row> simulated = cut_rows(small, {0.4, 0.5, 0.6});
+  rows.insert(rows.end(), simulated.begin(), simulated.end());
   return rows;
 }
 

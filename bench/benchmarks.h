@@ -10,6 +10,9 @@ std::vector<Row> bench_gradual(const BenchOptions& options);
 std::vector<Row> bench_growth(const BenchOptions& options);
 std::vector<Row> bench_figure4(const BenchOptions& options);
 std::vector<Row> bench_figure5(const BenchOptions& options);
+std::vector<Row> bench_step(const BenchOptions& options);
+std::vector<Row> bench_contact(const BenchOptions& options);
+std::vector<Row> bench_haptics(const BenchOptions& options);
 std::vector<Row> bench_patient(const BenchOptions& options);
 std::vector<Row> bench_cohort(const BenchOptions& options);
 

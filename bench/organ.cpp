@@ -43,11 +43,9 @@ std::vector<std::uint8_t> supports(const TetMesh& mesh, const Phantom& phantom, 
   return fixed;
 }
 
-Model phantom_model(const BenchOptions& options, std::size_t vertices, double time_step) {
+Model phantom_model(const BenchOptions& options, MesherOptions mesher, double time_step) {
   const Phantom phantom = make_biliary_tree(1, 0.6e-3, options.progress);
-  MesherOptions mesher;
-  mesher.vertices = vertices;
-  const bool with_ducts = vertices >= least_for_ducts;
+  const bool with_ducts = mesher.tets > 0 || mesher.vertices >= least_for_ducts;
   if (!with_ducts) mesher.labels = {label_of(Structure::gallbladder)};
   LabelMesh meshed = mesh_labels(phantom.labels, mesher, progress_of(options));
   std::vector<std::uint8_t> fixed = supports(meshed.mesh, phantom, with_ducts);
@@ -70,8 +68,20 @@ std::string duct_of(const Model& model) {
 }  // namespace
 
 Organ make_organ(const BenchOptions& options, std::size_t vertices, double time_step) {
-  Organ organ{
-      options.model.empty() ? phantom_model(options, vertices, time_step) : load_model(options.model), {}, {}, {}, 0};
+  if (!options.model.empty()) return organ_of(load_model(options.model));
+  MesherOptions mesher;
+  mesher.vertices = vertices;
+  return organ_of(phantom_model(options, mesher, time_step));
+}
+
+Organ make_organ_of_tets(const BenchOptions& options, std::size_t tets, double time_step) {
+  MesherOptions mesher;
+  mesher.tets = tets;
+  return organ_of(phantom_model(options, mesher, time_step));
+}
+
+Organ organ_of(Model model) {
+  Organ organ{std::move(model), {}, {}, {}, 0};
   organ.duct = duct_of(organ.model);
   const TetMesh& mesh = organ.model.mesh();
   const std::vector<std::int32_t> regions = regions_matching(mesh, organ.duct, "duct");

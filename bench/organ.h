@@ -19,6 +19,10 @@ struct Organ {
 /// `options.model` if given, else the phantom of seed 1 meshed to `vertices`: E 1 MPa, ν 0.45, ρ 1000, held at both
 /// ends of the common bile duct, h = 20 ms, as in the paper.
 Organ make_organ(const BenchOptions& options, std::size_t vertices = 2442, double time_step = 0.02);
+/// The same phantom meshed to so many tets; `options.model` doesn't count.
+Organ make_organ_of_tets(const BenchOptions& options, std::size_t tets, double time_step);
+/// What there is to know about a model whose duct is to be cut. Throws InputError where it has none.
+Organ organ_of(Model model);
 
 /// Full transections of the duct at `count` places between 30 % and 70 % of its length, crumbs cleaned away. Only cuts
 /// that leave the gallbladder's end without support are kept.

@@ -28,6 +28,13 @@ ThreeWays cut_three_ways(const Model& model, const Edit& edit, Progress* progres
           std::move(paper), recompute_seconds, paper_seconds,         exact_seconds};
 }
 
+double paper_in_memory(const Model& model, const Edit& edit) {
+  FullCompliance full = precompute(model).full();
+  Model after = model;
+  const StiffnessChange change = after.apply(edit);
+  return seconds_of([&] { paper_update(full, change.struck, after.mesh()); });
+}
+
 double paper_through_files(const Model& model, const Edit& edit) {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("calot-bench-" + std::to_string(::getpid()));

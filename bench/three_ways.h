@@ -17,6 +17,9 @@ struct ThreeWays {
 
 ThreeWays cut_three_ways(const Model& model, const Edit& edit, Progress* progress);
 
+/// Algorithms 1 and 2 on the model's matrix in memory [s].
+double paper_in_memory(const Model& model, const Edit& edit);
+
 /// The paper's whole way: SOFA's file is read, updated, written, and read again as the scene is reloaded [s].
 double paper_through_files(const Model& model, const Edit& edit);
 
