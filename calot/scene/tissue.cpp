@@ -73,20 +73,25 @@ void set_figures(const RegionSettings& settings, Material& material, TissuePrope
   }
 }
 
-/// What held a rigid region in place becomes what its ligaments hold, but where a static region holds it too.
-void hang_rigid_regions(Parts& parts, const std::map<std::int32_t, BodyKind>& bodies) {
+/// Whether what holds a region gives way: that of rigid ones, and of a patient's liver. Deformable as it is, a liver
+/// that is held in place tears before its edge is up 30 mm.
+bool hangs(const Parts& parts, std::int32_t region, BodyKind kind) {
+  return kind == BodyKind::rigid ||
+         (kind == BodyKind::deformable && parts.patient && region == label_of(Structure::liver));
+}
+
+/// What held such a region in place becomes what its ligaments hold, but where a static region holds it too.
+void hang_regions(Parts& parts, const std::map<std::int32_t, BodyKind>& bodies) {
   std::vector<std::uint8_t> still(parts.mesh.vertex_count(), 0);
   for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t)
     if (bodies.at(parts.mesh.regions[t]) == BodyKind::still)
       for (const VertexId v : parts.mesh.tets[t]) still[v.index()] = 1;
   std::set<VertexId> held;
   for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t) {
-    if (bodies.at(parts.mesh.regions[t]) != BodyKind::rigid) continue;
+    if (!hangs(parts, parts.mesh.regions[t], bodies.at(parts.mesh.regions[t]))) continue;
     for (const VertexId v : parts.mesh.tets[t])
       if (parts.fixed[v.index()] && !still[v.index()]) held.insert(v);
   }
-  for (const auto& [region, kind] : bodies)
-    if (kind == BodyKind::rigid) parts.materials.at(region).young *= rigid_stiffening;
   for (const VertexId v : held) parts.fixed[v.index()] = 0;
   parts.hung.assign(held.begin(), held.end());
 }
@@ -109,7 +114,9 @@ void apply_regions(const Scene& scene, Parts& parts, std::map<std::int32_t, Tiss
         throw InputError(settings.where, wrong.what());
       }
     }
-  hang_rigid_regions(parts, bodies);
+  for (const auto& [region, kind] : bodies)
+    if (kind == BodyKind::rigid) parts.materials.at(region).young *= rigid_stiffening;
+  hang_regions(parts, bodies);
   for (std::size_t t = 0; t < parts.mesh.tet_count(); ++t)
     if (bodies.at(parts.mesh.regions[t]) == BodyKind::still)
       for (const VertexId v : parts.mesh.tets[t]) parts.fixed[v.index()] = 1;

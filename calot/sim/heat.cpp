@@ -230,6 +230,8 @@ void TissueHeat::settle_active(const TetMesh& mesh) {
   for (const std::uint32_t v : before) hot_[v] = 0;
   for (const std::uint32_t v : before)
     if (std::abs(excess_[v]) > 0.5 * options_.threshold) activate(mesh, VertexId(v));
+  std::sort(active_tets_.begin(), active_tets_.end());
+  std::sort(active_vertices_.begin(), active_vertices_.end());
 }
 
 /// y = (C/dt + P + H + L) x on the active vertices.

@@ -326,6 +326,23 @@ TEST(TissueHeat, CopiesGoTheSameWay) {
   EXPECT_NE(a, b);
 }
 
+TEST(TissueHeat, ListsTetsInOrderHoweverLongItLasts) {
+  const TetMesh mesh = test::box_mesh(12, 6, 4, {0.024, 0.012, 0.008});
+  TissueHeat heat(mesh, {{1, plain()}});
+  HeatSource source{{0.020, 0.010, 0.008}, 2e-3, 12, 0.5, 0.2};
+  std::size_t stiffened = 0, vaporised = 0;
+  for (int s = 0; s < 600; ++s) {
+    source.power = s % 100 < 60 ? 12 : 0;  // cools in between, so that what is active changes
+    const HeatStep& step = heat.step(1.0 / 60, {&source, 1}, mesh, mesh.positions);
+    EXPECT_TRUE(std::is_sorted(step.stiffened.begin(), step.stiffened.end())) << s;
+    EXPECT_TRUE(std::is_sorted(step.vaporised.begin(), step.vaporised.end())) << s;
+    stiffened += step.stiffened.size();
+    vaporised += step.vaporised.size();
+  }
+  EXPECT_GT(stiffened, 20U);
+  EXPECT_GT(vaporised, 20U);
+}
+
 TEST(TissueHeat, RefusesBadFigures) {
   const TetMesh mesh = test::bar_mesh(4);
   EXPECT_THROW(TissueHeat(mesh, {{1, plain()}}), InputError);
