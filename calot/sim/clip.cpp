@@ -1,5 +1,6 @@
 #include "calot/sim/clip.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -82,6 +83,7 @@ Clip::Clip(const ClipFigures& figures, const InstrumentGeometry& applier, const 
     throw InputError(std::string(name_of(applier.kind)), "has no clips", "fire clips with a clip applier");
   const double middle = applier.jaw_length - tip_beyond_clip - figures.leg_length / 2, slope = std::tan(opening / 2);
   frame_ = {pose.rotation, pose * Vec3(0, 0, middle)};
+  turn_ = frame_.rotation;
   stations_ = clip_stations(figures_, frame_, middle * slope, slope, surface);
   if (stations_.empty()) {
     come_off();
@@ -152,7 +154,7 @@ void Clip::springs(double step, std::vector<Spring>& out) {
     Spring spring;
     spring.vertex = pair.b;
     spring.other = pair.a;
-    spring.anchor = frame_.rotation * target(pair);
+    spring.anchor = turn_ * target(pair);
     spring.stiffness = pair.stiffness * Mat3::Identity();
     out.push_back(spring);
   }
@@ -187,11 +189,39 @@ void Clip::fit(std::span<const Vec3> positions) {
   frame_.position = centre - frame_.rotation * place;
 }
 
+/// Forces that pull pairs apart or together may turn the tissue between them as a whole; in a frame that goes along
+/// with it they would turn it for ever. At the rotation R that makes Σ k |x_b − x_a − R t|² least they don't: its
+/// derivative is Σ k (x_b − x_a) × R t, the torque. Found by Newton's steps; turns that the pairs hardly feel are
+/// damped.
+void Clip::turn_springs(std::span<const Vec3> positions) {
+  constexpr int most = 20;
+  for (int k = 0; k < most; ++k) {
+    Vec3 torque = Vec3::Zero();
+    Mat3 resistance = Mat3::Zero();
+    for (const Pair& pair : pairs_) {
+      const Vec3 wanted = turn_ * target(pair), is = positions[pair.b.index()] - positions[pair.a.index()];
+      torque += pair.stiffness * wanted.cross(is);
+      const Mat3 across = is * wanted.transpose();
+      resistance += pair.stiffness * (wanted.dot(is) * Mat3::Identity() - (across + across.transpose()) / 2);
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> turning(resistance);
+    const double least = 1e-4 * turning.eigenvalues().cwiseAbs().maxCoeff();
+    if (!(least > 0)) return;
+    const Vec3 turn =
+        turning.eigenvectors() *
+        (turning.eigenvectors().transpose() * torque).cwiseQuotient(turning.eigenvalues().cwiseAbs().cwiseMax(least));
+    const double angle = turn.norm();
+    if (angle < 1e-10) return;
+    turn_ = (Eigen::Quaterniond(Eigen::AngleAxisd(std::min(angle, 0.5), turn / angle)) * turn_).normalized();
+  }
+}
+
 void Clip::measure_gaps(std::span<const Vec3> positions) {
-  const Vec3 y = frame_.rotation * Vec3::UnitY();
+  Vec3 y = frame_.rotation * Vec3::UnitY();
   for (ClipStation& station : stations_)
     station.gap = y.dot(place_of(station.b, positions) - place_of(station.a, positions));
   closing_force_ = 0;
+  y = turn_ * Vec3::UnitY();
   for (const Pair& pair : pairs_)
     closing_force_ +=
         pair.stiffness * (y.dot(positions[pair.b.index()] - positions[pair.a.index()]) - target(pair).y());
@@ -210,6 +240,7 @@ void Clip::judge_pull() {
 void Clip::after_step(std::span<const Vec3> positions) {
   if (state_ == ClipState::off) return;
   fit(positions);
+  turn_springs(positions);
   measure_gaps(positions);
   if (state_ == ClipState::closing && (progress_ >= 1 || time_ >= 2 * figures_.closing_time)) {
     state_ = ClipState::closed;  // the wire keeps its shape: no closer any more
@@ -272,18 +303,22 @@ void Clip::follow_tets(const Remap& remap) {
 void Clip::follow(const Remap& remap, std::span<const Vec3> before, std::span<const Vec3> after) {
   if (state_ == ClipState::off) return;
   const Successors successors(remap);
-  const auto shift = [&](VertexId old, VertexId now) -> Vec3 {
-    return frame_.rotation.conjugate() * (after[now.index()] - before[old.index()]);
+  const auto shift = [&](const Eigen::Quaterniond& turn, VertexId old, VertexId now) -> Vec3 {
+    return turn.conjugate() * (after[now.index()] - before[old.index()]);
   };
   std::vector<Pair> pairs;
   for (const Pair& pair : pairs_) {
     const std::vector<VertexId> a = successors.of(pair.a), b = successors.of(pair.b);
+    if (a.empty() || b.empty()) continue;
     // A split doubles both walls in the same order; where only one was doubled, its copies share the other wall.
-    for (std::size_t k = 0; !a.empty() && !b.empty() && k < std::max(a.size(), b.size()); ++k) {
+    // Together they are as stiff as before, and each is stretched as before: so the force stays, too.
+    const std::size_t count = std::max(a.size(), b.size());
+    for (std::size_t k = 0; k < count; ++k) {
       Pair now = pair;
       now.a = a[std::min(k, a.size() - 1)];
       now.b = b[std::min(k, b.size() - 1)];
-      const Vec3 moved = shift(pair.b, now.b) - shift(pair.a, now.a);
+      now.stiffness /= static_cast<double>(count);
+      const Vec3 moved = shift(turn_, pair.b, now.b) - shift(turn_, pair.a, now.a);
       now.offset += moved;
       now.closed += moved.y();
       pairs.push_back(now);
@@ -294,11 +329,13 @@ void Clip::follow(const Remap& remap, std::span<const Vec3> before, std::span<co
                    [](const Pair& x, const Pair& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
   std::vector<Held> held;
   double sum = 0;
-  for (const Held& h : held_)
-    for (const VertexId now : successors.of(h.vertex)) {
-      held.push_back({now, h.weight, h.place + shift(h.vertex, now)});
-      sum += h.weight;
-    }
+  for (const Held& h : held_) {
+    const std::vector<VertexId> heirs = successors.of(h.vertex);
+    for (const VertexId now : heirs)
+      held.push_back(
+          {now, h.weight / static_cast<double>(heirs.size()), h.place + shift(frame_.rotation, h.vertex, now)});
+    if (!heirs.empty()) sum += h.weight;
+  }
   for (Held& h : held) h.weight /= sum;
   std::stable_sort(held.begin(), held.end(), [](const Held& x, const Held& y) { return x.vertex < y.vertex; });
   held_ = std::move(held);
@@ -324,6 +361,7 @@ RigidShape Clip::shape() const {
 void Clip::append_state(std::string& bytes) const {
   detail::append_bytes(bytes, state_);
   detail::append_bytes(bytes, frame_);
+  for (int k = 0; k < 4; ++k) detail::append_bytes(bytes, turn_.coeffs()[k]);
   for (const double value : {progress_, time_, closed_gap_, closing_force_, strain_})
     detail::append_bytes(bytes, value);
   detail::append_bytes(bytes, whole_);

@@ -17,8 +17,8 @@ enum class ClipState : std::uint8_t {
 };
 
 /// A clip on tissue. Each step: `springs` and `loads` to the motion, then `after_step`. Its frame: origin between the
-/// legs' middles, x along the tube (across the clip), y the way it closes, z along the legs to their tips. Massless:
-/// what pulls on it reaches the tissue in the same step. A plain value; docs/simulation.md has the equations.
+/// legs' middles, x along the tube, y the way it closes, z along the legs to their tips. Massless: what pulls on it
+/// reaches the tissue in the same step. A plain value; docs/simulation.md has the equations.
 class Clip {
  public:
   /// Fired by an applier with jaws at `opening`: takes what lies between the legs. State `off` if that is nothing.
@@ -36,9 +36,8 @@ class Clip {
   /// After an edit, with every vertex's position before and after it.
   void follow(const Remap& remap, std::span<const Vec3> before, std::span<const Vec3> after);
 
-  /// Whether the clip shuts this tube: the whole cross-section of the region in the clip's plane, as far as it hangs
-  /// together with what the legs hold, lies between the legs, and the walls are together. Looks at every tet of the
-  /// mesh.
+  /// Whether the clip shuts this tube: all of the region's cross-section that hangs together with what the legs hold
+  /// lies between them, and the walls are together. Looks at every tet of the mesh.
   [[nodiscard]] bool closes(std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions) const;
 
   [[nodiscard]] ClipState state() const { return state_; }
@@ -48,12 +47,10 @@ class Clip {
   [[nodiscard]] double closed_gap() const { return closed_gap_; }
   [[nodiscard]] double held_area() const;                                ///< of one wall, under the legs [m²]
   [[nodiscard]] double closing_force() const { return closing_force_; }  ///< in the last step [N]
-  /// The share of the force at which it would come off, in the last step; off at 1.
-  [[nodiscard]] double strain() const { return strain_; }
-  [[nodiscard]] bool whole() const { return whole_; }  ///< took the whole cross-section when it was fired
+  [[nodiscard]] double strain() const { return strain_; }  ///< share of what takes it off, in the last step
+  [[nodiscard]] bool whole() const { return whole_; }      ///< took the whole cross-section when it was fired
   [[nodiscard]] bool holds(VertexId vertex) const;
-  /// The vertices that feel a pull on the clip, and their shares of it (sum 1).
-  [[nodiscard]] std::vector<std::pair<VertexId, double>> held() const;
+  [[nodiscard]] std::vector<std::pair<VertexId, double>> held() const;    ///< who feels a pull on it; shares, sum 1
   [[nodiscard]] const std::vector<TetId>& tets() const { return tets_; }  ///< in its slab, between its legs; ascending
   [[nodiscard]] std::size_t pair_count() const { return pairs_.size(); }
   /// Two legs and the bow that joins them, in the frame, as far apart as they are now.
@@ -64,7 +61,7 @@ class Clip {
   struct Pair {  // of walls a (−y) and b (+y)
     VertexId a, b;
     double stiffness = 0;  // [N/m]
-    Vec3 offset;           // b − a when fired, in the frame [m]
+    Vec3 offset;           // b − a when fired, in the springs' frame [m]
     double closed = 0;     // y of it when closed [m]
   };
   struct Held {
@@ -75,6 +72,7 @@ class Clip {
   void make_pairs(std::span<const Vec3> positions);
   void gather(std::span<const Vec3> positions);
   void fit(std::span<const Vec3> positions);
+  void turn_springs(std::span<const Vec3> positions);
   void measure_gaps(std::span<const Vec3> positions);
   void judge_pull();
   void follow_tets(const Remap& remap);
@@ -86,6 +84,7 @@ class Clip {
   ClipFigures figures_;
   ClipState state_ = ClipState::closing;
   Pose frame_;
+  Eigen::Quaterniond turn_;  // of the springs: they pull without turning the tissue
   std::vector<ClipStation> stations_;
   std::vector<Pair> pairs_;  // ascending by a, then b
   std::vector<Held> held_;   // ascending by vertex

@@ -203,21 +203,20 @@ TEST(Clip, ACutBesideItChangesNothing) {
     }
 }
 
-TEST(Clip, ASplitInItKeepsBothCopies) {
-  Scene scene = closed().scene;
-  Clip clip = closed().clip;
-  TopologyEdit edit;  // the cross-section x = 0 parts
+/// The cross-section x = 0 parts.
+TopologyEdit part_the_middle(const TetMesh& mesh) {
+  TopologyEdit edit;
   std::map<VertexId, VertexId> copies;
-  for (std::size_t v = 0; v < scene.mesh.vertex_count(); ++v)
-    if (std::abs(scene.mesh.positions[v].x()) < 1e-9) {
-      copies[VertexId(v)] = VertexId(scene.mesh.vertex_count() + edit.vertices.size());
-      edit.vertices.push_back({scene.mesh.positions[v], VertexId(v), VertexId(v), 0});
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+    if (std::abs(mesh.positions[v].x()) < 1e-9) {
+      copies[VertexId(v)] = VertexId(mesh.vertex_count() + edit.vertices.size());
+      edit.vertices.push_back({mesh.positions[v], VertexId(v), VertexId(v), 0});
     }
-  for (std::size_t t = 0; t < scene.mesh.tet_count(); ++t) {
-    Tet tet = scene.mesh.tets[t];
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    Tet tet = mesh.tets[t];
     bool beyond = false, on = false;
     for (VertexId& v : tet) {
-      beyond |= scene.mesh.position(v).x() > 1e-9;
+      beyond |= mesh.position(v).x() > 1e-9;
       if (const auto copy = copies.find(v); copy != copies.end()) {
         on = true;
         v = copy->second;
@@ -227,6 +226,77 @@ TEST(Clip, ASplitInItKeepsBothCopies) {
     edit.removed.emplace_back(t);
     edit.tets.push_back({tet, TetId(t)});
   }
+  return edit;
+}
+
+/// What springs between two vertices add up to.
+struct SpringSum {
+  SpringSum(const std::vector<Spring>& springs, const std::vector<Vec3>& positions) {
+    for (const Spring& s : springs) {
+      const Vec3 apart = positions[s.vertex.index()] - positions[s.other.index()];
+      const Vec3 pull = s.stiffness * (s.anchor - apart);
+      stiffness += s.stiffness;
+      force += pull;
+      torque += apart.cross(pull);
+      largest_torque += apart.norm() * pull.norm();
+    }
+  }
+  Mat3 stiffness = Mat3::Zero();
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  double largest_torque = 0;
+};
+
+std::vector<Spring> springs_of(Clip& clip, double step) {
+  std::vector<Spring> springs;
+  clip.springs(step, springs);
+  return springs;
+}
+
+TEST(Clip, ACutThroughItChangesNeitherItsStiffnessNorItsForce) {
+  Scene scene = closed().scene;
+  Clip clip = closed().clip;
+  const std::vector<Vec3> before = scene.tissue.positions;
+  const SpringSum was(springs_of(clip, scene.step), before);
+  const Remap remap = apply(scene.mesh, part_the_middle(scene.mesh));
+  const std::vector<Vec3> after = carry_over(before, remap);
+  Clip followed = clip;
+  followed.follow(remap, before, after);
+  const SpringSum is(springs_of(followed, scene.step), after);
+  EXPECT_GT(followed.pair_count(), clip.pair_count());
+  EXPECT_LT((is.stiffness - was.stiffness).norm(), 1e-9 * was.stiffness.norm());
+  EXPECT_LT((is.force - was.force).norm(), 1e-9 * was.force.norm());
+  EXPECT_LT((is.torque - was.torque).norm(), 1e-9 * was.largest_torque);
+  double shares = 0, beyond = 0, all_beyond = 0;
+  for (const auto& [vertex, weight] : followed.held()) {
+    shares += weight;
+    beyond += after[vertex.index()].x() > 1e-4 ? weight : 0;
+  }
+  for (const auto& [vertex, weight] : clip.held()) all_beyond += before[vertex.index()].x() > 1e-4 ? weight : 0;
+  EXPECT_NEAR(shares, 1, 1e-12);
+  EXPECT_NEAR(beyond, all_beyond, 1e-12);
+}
+
+// A clip that is askew on its tube would like to turn. It hangs on nothing but the tissue: what it does to it has no
+// torque, or it would turn it for ever.
+TEST(Clip, AskewItDoesNotTurnTheTissue) {
+  Scene scene;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.35, Vec3(0.3, 1, 0.8).normalized()));
+  const Vec3 middle(0, 0, 13.25 * mm);
+  Clip clip(ClipFigures{}, applier(), {turn, middle - turn * middle}, 0.4, scene.tissue.surface(), scene.mesh);
+  ASSERT_EQ(clip.state(), ClipState::closing);
+  scene.run(clip, 60);
+  ASSERT_EQ(clip.state(), ClipState::closed);
+  const SpringSum sum(springs_of(clip, scene.step), scene.tissue.positions);
+  EXPECT_LT(sum.torque.norm(), 1e-6 * sum.largest_torque);
+  const std::vector<Vec3> before = scene.tissue.positions;
+  scene.run(clip, 60);
+  for (std::size_t v = 0; v < before.size(); ++v) EXPECT_LT((scene.tissue.positions[v] - before[v]).norm(), 0.05 * mm);
+}
+
+TEST(Clip, ASplitInItKeepsBothCopies) {
+  Scene scene = closed().scene;
+  Clip clip = closed().clip;
+  const TopologyEdit edit = part_the_middle(scene.mesh);
   const std::vector<Vec3> before = scene.tissue.positions;
   const Remap remap = apply(scene.mesh, edit);
   const std::vector<Vec3> after = carry_over(before, remap);
