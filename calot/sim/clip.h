@@ -95,7 +95,6 @@ class Clip {
   Vec3 load_ = Vec3::Zero();
 };
 
-/// Distance between the middles of two clips [m].
-double spacing(const Clip& a, const Clip& b);
+double spacing(const Clip& a, const Clip& b);  ///< of their middles [m]
 
 }  // namespace calot

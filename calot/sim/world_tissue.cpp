@@ -13,6 +13,35 @@ constexpr double spread_of_contact = 4e-6;  // area a contact point stands for [
 
 constexpr double clip_reach = 1e-3;  // jaws catch a clip this far beyond their faces [m]
 
+// Tets that clips squeeze: between their legs, and all that share a vertex with what is held there; ascending. A tube's
+// tets stand for its wall and its lumen: pressed flat, the lumen goes and the wall isn't stretched, but the tets are.
+std::vector<TetId> squeezed_by(std::span<const Clip> clips, const VertexTets& around) {
+  std::vector<TetId> squeezed;
+  for (const Clip& clip : clips) {
+    if (clip.state() == ClipState::off) continue;
+    squeezed.insert(squeezed.end(), clip.tets().begin(), clip.tets().end());
+    for (const auto& [vertex, weight] : clip.held())
+      for (std::uint32_t k = around.start[vertex.index()]; k < around.start[vertex.index() + 1]; ++k)
+        squeezed.push_back(around.tets[k]);
+  }
+  std::sort(squeezed.begin(), squeezed.end());
+  squeezed.erase(std::unique(squeezed.begin(), squeezed.end()), squeezed.end());
+  return squeezed;
+}
+
+bool borders_on(const std::array<VertexId, 3>& face, std::span<const TetId> tets, const TetMesh& mesh,
+                const VertexTets& around) {
+  for (std::uint32_t k = around.start[face[0].index()]; k < around.start[face[0].index() + 1]; ++k) {
+    const TetId t = around.tets[k];
+    const Tet& tet = mesh.tets[t.index()];
+    if (std::all_of(face.begin() + 1, face.end(),
+                    [&](VertexId v) { return std::find(tet.begin(), tet.end(), v) != tet.end(); }) &&
+        std::binary_search(tets.begin(), tets.end(), t))
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void World::follow_up(std::span<const Vec3> before) {
@@ -22,14 +51,19 @@ void World::follow_up(std::span<const Vec3> before) {
   if (options_.heat) update_heat();
   if (options_.fluids) update_fluids();
   const TearStep& tears = tearing_.step(model_.mesh(), around_, state_.positions);
+  const std::vector<TetId> squeezed = squeezed_by(clips_, around_);
   report_.largest_stretch = tears.largest;
   report_.inverted = tears.inverted.size();
-  report_.stuck = tears.stuck.size();
+  report_.stuck = static_cast<std::size_t>(std::count_if(tears.stuck.begin(), tears.stuck.end(), [&](TetId t) {
+    return !std::binary_search(squeezed.begin(), squeezed.end(), t);
+  }));
   if (report_.inverted > inverted_before_)
     say(EventKind::inverted, -1, static_cast<double>(report_.inverted),
         std::to_string(report_.inverted) + " tets are turned inside out");
   inverted_before_ = report_.inverted;
   if (options_.tearing) to_part_ = tears.faces;
+  if (!squeezed.empty())
+    std::erase_if(to_part_, [&](const auto& face) { return borders_on(face, squeezed, model_.mesh(), around_); });
 }
 
 // Jaws that close on a clip hold it: the tissue in the clip is drawn along by springs as stiff as the instrument.
