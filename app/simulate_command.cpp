@@ -129,7 +129,7 @@ void Simulation::compare() {
 
 void Simulation::watch() {
   summary_.step(run_.world());
-  for (const WorldEvent& event : summary_.news(run_.world())) tell(event);
+  for (const WorldEvent& event : run_.world().events()) tell(event);
   if (recorder_ && run_.steps() % mark_ == 0) recorder_->state(run_.world().state_hash());
   if (recording_) compare();
   if (pictured(run_.steps())) pictures_->write(run_);

@@ -105,17 +105,14 @@ void RunSummary::step(const World& world) {
   const auto peak = world.heat().peak_temperatures();
   if (!peak.empty()) hottest_ = std::max(hottest_, *std::max_element(peak.begin(), peak.end()));
   add_instruments(world);
+  add_events(world);
 }
 
-std::vector<WorldEvent> RunSummary::news(const World& world) {
-  const std::vector<WorldEvent>& all = world.events();
-  std::vector<WorldEvent> fresh(all.begin() + static_cast<std::ptrdiff_t>(seen_events_), all.end());
-  seen_events_ = all.size();
-  for (const WorldEvent& event : fresh) {
+void RunSummary::add_events(const World& world) {
+  for (const WorldEvent& event : world.events()) {
     ++events_[event.kind];
     if (event.kind == EventKind::burnt) vaporised_ += event.amount;
   }
-  return fresh;
 }
 
 std::uint64_t RunSummary::count(EventKind kind) const {
@@ -124,7 +121,6 @@ std::uint64_t RunSummary::count(EventKind kind) const {
 }
 
 void RunSummary::end(const World& world, double wall_seconds) {
-  (void)news(world);
   wall_ = wall_seconds;
   after_ = shape_of(world);
   fluids_ = world.fluids().totals();

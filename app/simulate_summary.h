@@ -42,9 +42,6 @@ class RunSummary {
   /// After the last one.
   void end(const World& world, double wall_seconds);
 
-  /// Events that came since the last call.
-  std::vector<WorldEvent> news(const World& world);
-
   [[nodiscard]] std::uint64_t count(EventKind kind) const;
   [[nodiscard]] std::string text() const;
   [[nodiscard]] nlohmann::ordered_json json() const;
@@ -64,6 +61,7 @@ class RunSummary {
     std::size_t held = 0;  // vertices, at the end
   };
   void add_instruments(const World& world);
+  void add_events(const World& world);
   [[nodiscard]] std::string timing_text() const;
   [[nodiscard]] std::string solver_text() const;
   [[nodiscard]] std::string tissue_text() const;
@@ -72,7 +70,7 @@ class RunSummary {
   Tally total_, contacts_, nonlinear_;
   Solver free_, response_, friction_;
   std::vector<Instrument> instruments_;
-  std::uint64_t steps_ = 0, late_ = 0, ran_away_ = 0, steps_inverted_ = 0, seen_events_ = 0;
+  std::uint64_t steps_ = 0, late_ = 0, ran_away_ = 0, steps_inverted_ = 0;
   double time_step_, wall_ = 0;
   double overlap_ = 0, stretch_ = 1, hottest_ = 0;
   std::size_t touched_ = 0, inverted_ = 0;

@@ -59,12 +59,10 @@ Transection transect(const Organ& organ, double share) {
   const Model uncut = operation.world().model();
   std::vector<std::vector<StiffnessChange>> changes;
   std::vector<std::uint8_t> cuts;
-  std::size_t events = operation.world().events().size();
   const auto look = [&] {
     changes.push_back(operation.world().changes());
     bool cut = false;
-    for (; events < operation.world().events().size(); ++events)
-      cut = cut || operation.world().events()[events].kind == EventKind::cut;
+    for (const WorldEvent& event : operation.world().events()) cut = cut || event.kind == EventKind::cut;
     cuts.push_back(cut ? 1 : 0);
   };
   const auto append = [&](const PacedRun& more) {

@@ -35,8 +35,9 @@ class SceneRun {
   /// One step by other inputs: from a device or a recording.
   const StepReport& step(Inputs inputs);
 
+  /// Changed by inputs alone, so that these are all that a recording needs. Edits from outside: make a World of
+  /// `make_world_setup`.
   [[nodiscard]] const World& world() const { return world_; }
-  World& world() { return world_; }
   [[nodiscard]] const Inputs& inputs() const { return inputs_; }   ///< of the last step
   [[nodiscard]] std::uint64_t steps() const { return steps_; }     ///< done
   [[nodiscard]] const std::string& hash() const { return hash_; }  ///< `scene_hash`

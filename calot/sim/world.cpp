@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "calot/base/error.h"
@@ -41,6 +42,23 @@ const std::vector<Spring>& checked(const std::vector<Spring>& ligaments, const T
     if (!(spring.damping >= 0) || !std::isfinite(spring.damping)) refuse("has a damping below 0", "give one >= 0 s");
   }
   return ligaments;
+}
+
+Vec3 down(const Vec3& gravity) {
+  const double size = gravity.norm();
+  return size > 0 ? Vec3(gravity / size) : Vec3(Vec3::Zero());
+}
+
+// How deep the lowest of everything lies, along gravity; without gravity nothing is ever deeper.
+double depth_of(const TetMesh& mesh, const std::vector<StillSurface>& still, const Vec3& gravity) {
+  if (gravity.isZero(0)) return std::numeric_limits<double>::infinity();
+  double deepest = -std::numeric_limits<double>::infinity();
+  const auto look = [&](const std::vector<Vec3>& positions) {
+    for (const Vec3& x : positions) deepest = std::max(deepest, x.dot(down(gravity)));
+  };
+  look(mesh.positions);
+  for (const StillSurface& surface : still) look(surface.surface().positions);
+  return deepest;
 }
 
 std::vector<VertexId> supplies_of(const WorldSetup& setup) {
@@ -107,6 +125,10 @@ std::string_view name_of(EventKind kind) {
       return "ran away";
     case EventKind::inverted:
       return "inverted";
+    case EventKind::overstretched:
+      return "overstretched";
+    case EventKind::lost:
+      return "lost";
   }
   return "";
 }
@@ -135,6 +157,7 @@ World::World(WorldSetup setup)
       tearing_(model_.mesh(), properties_),
       compliance_(model_, tissue_, ligaments_, options_.refresh) {
   for (InstrumentSetup& instrument : setup.instruments) arms_.emplace_back(std::move(instrument));
+  deepest_ = depth_of(model_.mesh(), still_, options_.gravity) + options_.fall;
   closed_.assign(model_.mesh().tet_count(), 0);
   renew_triangles();
   weigh_carried();
@@ -161,19 +184,34 @@ TissueSurface World::tissue_surface() const {
 }
 
 void World::say(EventKind kind, std::int32_t instrument, double amount, std::string text) {
-  events_.push_back({step_, kind, instrument, amount, std::move(text)});
+  events_.push_back({stage_ == Stage::stepping ? step_ : step_ + 1, kind, instrument, amount, std::move(text)});
+}
+
+// Events and changes of a step are gathered from the first edit before it on.
+void World::begin_news(Stage stage) {
+  if (stage_ == Stage::stepped) {
+    events_.clear();
+    changes_.clear();
+  }
+  stage_ = stage;
 }
 
 const StepReport& World::step(std::span<const std::optional<InstrumentInput>> inputs) {
+  begin_news(Stage::stepping);
   ++step_;
   report_ = {};
   report_.step = step_;
-  changes_.clear();
+  advance(inputs);
+  stage_ = Stage::stepped;
+  return report_;
+}
+
+void World::advance(std::span<const std::optional<InstrumentInput>> inputs) {
   PhaseClock clock(report_.seconds);
   take_inputs(inputs);
-  if (model_.mesh().tet_count() == 0) return report_;
+  if (model_.mesh().tet_count() == 0) return;
   edit_tissue();
-  if (model_.mesh().tet_count() == 0) return report_;
+  if (model_.mesh().tet_count() == 0) return;
   clock.end(Phase::edits);
   renew_compliance(clock);
   motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
@@ -182,7 +220,7 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
   clock.end(Phase::free_motion);
   if (has_run_away()) {
     take_back();
-    return report_;
+    return;
   }
   find_contacts();
   clock.end(Phase::detection);
@@ -190,13 +228,13 @@ const StepReport& World::step(std::span<const std::optional<InstrumentInput>> in
   if (has_run_away()) {
     take_back();
     clock.end(Phase::tissue);
-    return report_;
+    return;
   }
   const std::vector<Vec3> before = state_.positions;
   integrate();
+  lose_parts();
   follow_up(before);
   clock.end(Phase::tissue);
-  return report_;
 }
 
 Preconditioner World::preconditioner() {
@@ -263,6 +301,8 @@ void World::gather_springs() {
   grip_clips();
   loads_.assign(state_.positions.size(), Vec3::Zero());
   for (std::size_t v = 0; v < carried_masses_.size(); ++v) loads_[v] = -carried_masses_[v] * options_.gravity;
+  for (std::size_t v = 0; v < lost_.size(); ++v)
+    if (lost_[v]) loads_[v] = -motion_.masses()[v] * options_.gravity;
   for (Clip& clip : clips_) {
     clip.springs(h, springs_);
     clip.loads(loads_);
@@ -302,6 +342,35 @@ void World::integrate() {
   unsolved_before_ = !solved;
   tissue_.update_rotations(state_.positions);
   report_.nonlinear_residual = motion_.finish(before, state_, contact_forces_);
+  for (std::size_t v = 0; v < push_.size(); ++v) state_.velocities[v] -= push_[v] / h;
+}
+
+// Parts that fell out of the scene: stopped, and without weight from now on. Parts that anything holds stay.
+void World::lose_parts() {
+  const Vec3 along = down(options_.gravity);
+  const auto fallen = [&](std::size_t v) { return state_.positions[v].dot(along) > deepest_; };
+  bool any = false;
+  for (std::size_t v = 0; v < state_.positions.size() && !any; ++v) any = !is_lost(VertexId(v)) && fallen(v);
+  if (!any) return;
+  const std::span<const std::uint32_t> parts = motion_.parts();
+  std::vector<std::uint8_t> falls(motion_.part_count(), 1);
+  for (std::size_t v = 0; v < parts.size(); ++v)
+    if (!fallen(v) || model_.is_fixed(VertexId(v)) || is_lost(VertexId(v))) falls[parts[v]] = 0;
+  for (const Spring& spring : springs_)
+    if (!spring.other.valid()) falls[parts[spring.vertex.index()]] = 0;
+  if (std::count(falls.begin(), falls.end(), 1) == 0) return;
+  lost_.resize(parts.size(), 0);
+  for (std::size_t v = 0; v < parts.size(); ++v) {
+    if (!falls[parts[v]]) continue;
+    lost_[v] = 1;
+    state_.velocities[v].setZero();
+  }
+  std::vector<std::size_t> tets(falls.size(), 0);
+  for (const Tet& tet : model_.mesh().tets) ++tets[parts[tet[0].index()]];
+  for (std::size_t part = 0; part < falls.size(); ++part)
+    if (falls[part])
+      say(EventKind::lost, -1, static_cast<double>(tets[part]),
+          "a part of " + std::to_string(tets[part]) + " tets fell out of the scene, and is left where it is");
 }
 
 bool World::has_run_away() const {
@@ -316,6 +385,7 @@ void World::take_back() {
   for (Vec3& v : state_.velocities) v.setZero();
   contacts_.clear();
   contact_forces_.clear();
+  push_.clear();
   rows_.clear();
   problem_ = {};
   warm_.clear();
@@ -356,6 +426,7 @@ std::string World::state_hash() const {
   for (const auto& face : to_part_)
     for (const VertexId v : face) detail::append_bytes(bytes, v.value);
   add(closed_);
+  add(lost_);
   add(model_.fixed());
   add(model_.mesh().tets);
   add(model_.mesh().regions);

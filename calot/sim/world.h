@@ -30,6 +30,7 @@ struct WorldOptions {
   ContactOptions contact;
   RefreshOptions refresh;
   double recovery = 0.5e-3;        ///< overlap that a step undoes at most [m]
+  double fall = 1;                 ///< tissue this far below all there was at the start is lost, and stopped [m]
   double runaway_speed = 20;       ///< tissue that moves faster has run away: the step is taken back [m/s]
   std::set<std::int32_t> carried;  ///< regions whose weight their surroundings carry: gravity doesn't move them
 };
@@ -66,6 +67,8 @@ enum class EventKind : std::uint8_t {
   not_solved,
   ran_away,
   inverted,
+  overstretched,
+  lost,
 };
 std::string_view name_of(EventKind kind);
 
@@ -114,18 +117,22 @@ class World {
   [[nodiscard]] const std::vector<TissueContact>& contacts() const { return contacts_; }  ///< of the last step
   [[nodiscard]] const FrictionProblem& friction_problem() const { return problem_; }      ///< of those contacts
   [[nodiscard]] const StepReport& report() const { return report_; }
-  [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }  ///< since the start
-  [[nodiscard]] const std::vector<StiffnessChange>& changes() const {
-    return changes_;
-  }  ///< of the last step, in order
+  /// Whether a vertex is of a part that fell out of the scene: it has no weight there and meets nothing.
+  [[nodiscard]] bool is_lost(VertexId v) const { return !lost_.empty() && lost_[v.index()]; }
+  /// Of the last step, in order; those of edits from outside before it come first. Whoever follows the world looks at
+  /// both after each step, and has then seen everything once.
+  [[nodiscard]] const std::vector<WorldEvent>& events() const { return events_; }
+  [[nodiscard]] const std::vector<StiffnessChange>& changes() const { return changes_; }
   [[nodiscard]] const std::map<std::int32_t, TissueProperties>& properties() const { return properties_; }
   [[nodiscard]] const WorldOptions& options() const { return options_; }
   [[nodiscard]] double time() const { return static_cast<double>(step_) * model_.dynamics().time_step; }
 
   /// Fills the last constraint set of one instrument, for its haptic loop.
   void haptic_constraints(std::size_t instrument, HapticConstraints& out) const;
-  /// Cuts from outside, as an instrument would at the beginning of the next step.
-  void edit(const TopologyEdit& edit, EventKind cause, const std::string& text, std::int32_t instrument = -1);
+  /// Cuts from outside, as an instrument would at the beginning of the next step, whose `events` and `changes` it
+  /// begins. @return what it changed, until the next edit or step; null if it was refused or empty
+  const StiffnessChange* edit(const TopologyEdit& edit, EventKind cause, const std::string& text,
+                              std::int32_t instrument = -1);
   /// SHA-256 of everything that the next steps depend on.
   [[nodiscard]] std::string state_hash() const;
   /// Elastic, kinetic and gravitational energy [J].
@@ -133,6 +140,11 @@ class World {
 
  private:
   class PhaseClock;
+  enum class Stage : std::uint8_t { stepped, edited, stepping };
+  void begin_news(Stage stage);
+  void advance(std::span<const std::optional<InstrumentInput>> inputs);
+  const StiffnessChange* apply(const TopologyEdit& edit, EventKind cause, const std::string& text,
+                               std::int32_t instrument = -1);
   void take_inputs(std::span<const std::optional<InstrumentInput>> inputs);
   void edit_tissue();
   void cut_with_scissors(std::size_t arm);
@@ -146,6 +158,8 @@ class World {
   void find_contacts();
   void withdraw_blades();
   void keep_parts_apart();
+  void find_push();
+  void lose_parts();
   void solve_contacts(PhaseClock& clock);
   void integrate();
   void follow_up(std::span<const Vec3> before);
@@ -167,6 +181,7 @@ class World {
   std::map<std::int32_t, TissueProperties> properties_;
   std::vector<StillSurface> still_;
   WorldOptions options_;
+  double deepest_ = 0;  // along gravity: parts beyond are lost [m]
 
   // State.
   Model model_;
@@ -190,12 +205,14 @@ class World {
   std::vector<TetId> to_stiffen_;
   std::vector<std::array<VertexId, 3>> to_part_;
   std::vector<std::uint8_t> closed_;  // m, tets of tubes that clips close
+  std::vector<std::uint8_t> lost_;    // n, or empty while nothing is
 
   std::set<std::uint32_t> flowing_;  // fluid sources that flow, by id
   bool unsolved_before_ = false;
-  std::size_t inverted_before_ = 0;
+  std::size_t inverted_before_ = 0, stuck_said_ = 0;
 
   // Of the last step.
+  Stage stage_ = Stage::stepped;
   StepReport report_;
   std::vector<WorldEvent> events_;
   std::vector<StiffnessChange> changes_;
@@ -207,6 +224,7 @@ class World {
   FrictionProblem problem_;
   std::map<std::uint64_t, Vec3> warm_;  // forces by contact key
   std::vector<Vec3> motion_of_step_, contact_forces_, loads_, guess_;
+  std::vector<Vec3> push_;  // of the step's motion, what only undid overlaps; n, or empty
 };
 
 }  // namespace calot

@@ -73,6 +73,21 @@ void World::find_contacts() {
   for (TissueContact& contact : contacts_)
     if (contact.partner == ContactPartner::shape && !arms_[shape_owner_[contact.shape].first].setup().friction)
       contact.friction = properties_.at(model_.mesh().regions[contact.point.tet.index()]).friction;
+  if (!lost_.empty())
+    std::erase_if(contacts_, [&](const TissueContact& contact) {
+      return is_lost(contact.point.vertices[0]) ||
+             (contact.partner == ContactPartner::tissue && is_lost(contact.other.vertices[0]));
+    });
+  // Tissue turned inside out has its surface inside too: met by itself there, it could never unfold.
+  const auto inside_out = [&](TetId t) {
+    const Tet& tet = model_.mesh().tet(t);
+    const std::vector<Vec3>& x = state_.positions;
+    return !(signed_volume(x[tet[0].index()], x[tet[1].index()], x[tet[2].index()], x[tet[3].index()]) > 0);
+  };
+  std::erase_if(contacts_, [&](const TissueContact& contact) {
+    return contact.partner == ContactPartner::tissue &&
+           (inside_out(contact.point.tet) || inside_out(contact.other.tet));
+  });
   // Held tissue is the grasp's business.
   std::erase_if(contacts_, [&](const TissueContact& contact) {
     if (contact.partner != ContactPartner::shape) return false;
@@ -85,6 +100,7 @@ void World::find_contacts() {
 void World::solve_contacts(PhaseClock& clock) {
   report_.contacts = contacts_.size();
   contact_forces_.clear();
+  push_.clear();
   for (InstrumentArm& arm : arms_) arm.force.setZero();
   report_.response.converged = report_.friction.converged = true;
   problem_ = {};
@@ -142,7 +158,42 @@ void World::solve_contacts(PhaseClock& clock) {
                        contacts_[k].normal.dot(motion_at(rows_[k], motion_of_step_) - contacts_[k].partner_motion);
     report_.contact_error = std::max(report_.contact_error, -gap);
   }
+  find_push();
   clock.end(Phase::response);
+}
+
+// Overlaps are undone as a shift of place, which is no velocity: `push_` is what the motion would be without it less.
+// Its forces: those of the contacts less those they would need had they not to part by what they really parted by.
+void World::find_push() {
+  constexpr double least = 1e-6;  // [m]
+  const Eigen::VectorXd q = problem_.free_motion;
+  double most = 0;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const double overlap = std::min(-contacts_[k].gap, options_.recovery);
+    if (!(overlap > 0)) continue;
+    const double parted = contacts_[k].normal.dot(motion_at(rows_[k], motion_of_step_) - contacts_[k].partner_motion);
+    const double undone = std::min(overlap, parted);
+    if (!(undone > 0)) continue;
+    most = std::max(most, undone);
+    problem_.free_motion[3 * static_cast<Index>(k)] += undone;
+  }
+  if (most > least) {
+    const Eigen::VectorXd& forces = report_.friction.forces;
+    const FrictionSolution without =
+        solve_friction(problem_, {forces.data(), static_cast<std::size_t>(forces.size())}, options_.friction);
+    std::vector<Vec3> difference(contact_forces_.size(), Vec3::Zero());
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+      const auto at = 3 * static_cast<Index>(k);
+      const Vec3 force = rows_[k].frame * (forces.segment<3>(at) - without.forces.segment<3>(at));
+      for (std::size_t i = 0; i < rows_[k].count; ++i)
+        if (const VertexId v = rows_[k].vertices[i]; !model_.is_fixed(v))
+          difference[v.index()] += rows_[k].weights[i] * force;
+    }
+    preconditioner().apply(difference, guess_);
+    keep_parts_apart();
+    push_ = guess_;
+  }
+  problem_.free_motion = q;
 }
 
 // A part without contact forces gets no trace of the others' either.

@@ -79,14 +79,33 @@ std::vector<std::uint8_t> followed(const std::vector<std::uint8_t>& flags, const
   return result;
 }
 
+// Of vertices: an added one has its origins', moved ones lie between vertices of one part.
+std::vector<std::uint8_t> followed_vertices(const std::vector<std::uint8_t>& flags, const Remap& remap) {
+  if (flags.empty()) return {};
+  std::vector<std::uint8_t> result(remap.vertex_to_old.size(), 0);
+  for (std::size_t v = 0; v < result.size(); ++v)
+    if (remap.vertex_to_old[v].valid()) result[v] = flags[remap.vertex_to_old[v].index()];
+  for (std::size_t k = 0; k < remap.added_vertices.size(); ++k)
+    result[remap.added_vertices[k].index()] = flags[remap.added_from[k].from.index()];
+  return result;
+}
+
 }  // namespace
 
+const StiffnessChange* World::edit(const TopologyEdit& edit, EventKind cause, const std::string& text,
+                                   std::int32_t instrument) {
+  if (edit.empty()) return nullptr;
+  begin_news(Stage::edited);
+  return apply(edit, cause, text, instrument);
+}
+
 // The order: first what the others look at (mesh, positions), then all who keep numbers of vertices or tets.
-void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& text, std::int32_t instrument) {
-  if (edit.empty()) return;
+const StiffnessChange* World::apply(const TopologyEdit& edit, EventKind cause, const std::string& text,
+                                    std::int32_t instrument) {
+  if (edit.empty()) return nullptr;
   if (!names_only_what_is_there(edit, model_.mesh())) {
     say(EventKind::cut_refused, instrument, 0, "the edit names vertices or tets that the mesh doesn't have");
-    return;
+    return nullptr;
   }
   const ChangedTets changed = changed_tets(edit, around_);
   std::vector<ElementChange> elements = leaving(model_, changed);
@@ -95,7 +114,7 @@ void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& t
     change = model_.apply(edit);
   } catch (const InputError& refused) {
     say(EventKind::cut_refused, instrument, 0, refused.what());
-    return;
+    return nullptr;
   }
   const Remap& remap = change.remap;
   add_entering(model_, remap, changed, elements);
@@ -125,8 +144,10 @@ void World::edit(const TopologyEdit& edit, EventKind cause, const std::string& t
     for (VertexId& v : face) v = remap.vertex_to_new[v.index()];
   std::erase_if(to_part_, [](const auto& face) { return !face[0].valid() || !face[1].valid() || !face[2].valid(); });
   closed_ = followed(closed_, remap);
+  lost_ = followed_vertices(lost_, remap);
   say(cause, instrument, static_cast<double>(edit.tets.size() + edit.removed.size()), text);
   changes_.push_back(std::move(change));
+  return &changes_.back();
 }
 
 void World::edit_tissue() {
@@ -162,28 +183,27 @@ void World::cut_with_scissors(std::size_t k) {
     }
     // The stroke's new numbers count from the edit's: `edit` follows them like all others, so it is set apart.
     const Stroke next = cut.report.stroke;
-    const std::size_t before = changes_.size();
-    edit(cut, EventKind::cut,
-         arm.setup().name + " cut " + std::to_string(cut.report.crossed) + " edges, opened " +
-             std::to_string(cut.report.separated) + " faces",
-         number);
-    arm.in_cut = arm.in_cut || (changes_.size() > before && cut.report.separated > 0);
-    arm.stroke = changes_.size() > before ? calot::follow(next, changes_.back().remap) : Stroke{};
+    const StiffnessChange* change = apply(cut, EventKind::cut,
+                                          arm.setup().name + " cut " + std::to_string(cut.report.crossed) +
+                                              " edges, opened " + std::to_string(cut.report.separated) + " faces",
+                                          number);
+    arm.in_cut = arm.in_cut || (change && cut.report.separated > 0);
+    arm.stroke = change ? calot::follow(next, change->remap) : Stroke{};
     return;
   }
   TopologyEdit removal;
   removal.removed = crossed_tets(model_.mesh(), state_.positions, sweep);
   arm.in_cut = arm.in_cut || !removal.empty();
-  edit(removal, EventKind::cut,
-       arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed",
-       number);
+  apply(removal, EventKind::cut,
+        arm.setup().name + " removed " + std::to_string(removal.removed.size()) + " tets that its blades crossed",
+        number);
 }
 
 void World::part_torn() {
   if (to_part_.empty()) return;
   const TopologyEdit tear = separate(model_.mesh(), around_, to_part_);
   to_part_.clear();
-  edit(tear, EventKind::torn, "tissue tore where it was stretched beyond what it bears");
+  apply(tear, EventKind::torn, "tissue tore where it was stretched beyond what it bears");
 }
 
 void World::remove_vaporised() {
@@ -191,7 +211,7 @@ void World::remove_vaporised() {
   TopologyEdit burn;
   burn.removed = to_vaporise_;
   to_vaporise_.clear();
-  edit(burn, EventKind::burnt, "heat vaporised " + std::to_string(burn.removed.size()) + " tets");
+  apply(burn, EventKind::burnt, "heat vaporised " + std::to_string(burn.removed.size()) + " tets");
 }
 
 void World::stiffen() {

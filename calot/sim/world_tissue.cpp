@@ -61,9 +61,15 @@ void World::follow_up(std::span<const Vec3> before) {
     say(EventKind::inverted, -1, static_cast<double>(report_.inverted),
         std::to_string(report_.inverted) + " tets are turned inside out");
   inverted_before_ = report_.inverted;
-  if (options_.tearing) to_part_ = tears.faces;
+  if (!options_.tearing) return;
+  to_part_ = tears.faces;
   if (!squeezed.empty())
     std::erase_if(to_part_, [&](const auto& face) { return borders_on(face, squeezed, model_.mesh(), around_); });
+  // A tet is tried every other step only: the number flickers. Said again where it has more than doubled.
+  if (report_.stuck <= 2 * stuck_said_) return;
+  stuck_said_ = report_.stuck;
+  say(EventKind::overstretched, -1, static_cast<double>(report_.stuck),
+      std::to_string(report_.stuck) + " tets are stretched beyond what they bear, and no crack relieves them");
 }
 
 // Jaws that close on a clip hold it: the tissue in the clip is drawn along by springs as stiff as the instrument.

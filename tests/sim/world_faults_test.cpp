@@ -35,7 +35,7 @@ struct Bed {
   const StepReport& step(const std::optional<InstrumentInput>& given) { return world.step(test::Inputs{given}); }
   [[nodiscard]] const InstrumentArm& arm() const { return world.instruments()[0]; }
 
-  World world;
+  test::RememberingWorld world;
   InstrumentInput input;
 };
 
@@ -90,7 +90,7 @@ TEST(WorldFaults, BadInputHoldsTheInstrumentIsSaidAndRecovers) {
     }
     ASSERT_GE(test::count(bed.world, EventKind::input_fault), 1u) << fault.name;
     std::string text;
-    for (const WorldEvent& event : bed.world.events())
+    for (const WorldEvent& event : bed.world.history())
       if (event.kind == EventKind::input_fault) {
         text = event.text;
         EXPECT_EQ(event.instrument, 0);
@@ -157,7 +157,7 @@ TEST(WorldFaults, AbsurdLigamentsAreCaughtAndTheLastGoodStateIsKept) {
   spring.stiffness = 1e6 * Mat3::Identity();
   setup.ligaments.push_back(spring);
   const std::vector<Vec3> rest = setup.model.mesh().positions;
-  World world(std::move(setup));
+  test::RememberingWorld world(std::move(setup));
   for (int k = 0; k < 30; ++k) {
     const StepReport& report = world.step({});
     ASSERT_TRUE(report.ran_away) << k;
@@ -224,7 +224,7 @@ TEST(WorldFaults, RefusedEditsLeaveTheWorldAsItWas) {
     EXPECT_EQ(test::count(bed.world, EventKind::cut_refused), ++refused);
     EXPECT_EQ(test::count(bed.world, EventKind::cut), 0u);
     EXPECT_EQ(bed.world.state_hash(), untouched.world.state_hash()) << refused;
-    EXPECT_FALSE(bed.world.events().back().text.empty());
+    EXPECT_FALSE(bed.world.history().back().text.empty());
   }
   for (int k = 0; k < 10; ++k) {
     bed.step(bed.input);
@@ -261,7 +261,7 @@ std::string eventful_run(int steps) {
   setup.instruments[2].power = 60;
   test::Inputs inputs;
   for (const InstrumentSetup& instrument : setup.instruments) inputs.emplace_back(instrument.start);
-  World world(std::move(setup));
+  test::RememberingWorld world(std::move(setup));
   for (int k = 0; k < steps; ++k) {
     inputs[0]->opening = std::max(0.0, 0.5 - 0.03 * k);
     if (k > 25) inputs[0]->pose.position.z() += 0.05 * mm;

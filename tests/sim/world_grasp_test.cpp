@@ -13,14 +13,14 @@ constexpr double mm = 1e-3, h = 1.0 / 60;
 struct Strip {
   explicit Strip(double grip) : world(make(grip)) { input = world.instruments()[0].setup().start; }
 
-  static World make(double grip) {
+  static test::RememberingWorld make(double grip) {
     WorldSetup setup = test::world_setup(test::make_model(test::box_mesh(10, 2, 10, Vec3(20 * mm, 4 * mm, 20 * mm)), h,
                                                           [](const Vec3& x) { return x.z() < 1e-9; },
                                                           {400e3, 0.4, 1000}, {.rayleigh_stiffness = 0.01}));
     setup.instruments.push_back(test::instrument(InstrumentKind::bowel_grasper, Vec3(24 * mm, 2 * mm, 18.5 * mm),
                                                  -Vec3::UnitX(), -Vec3::UnitZ(), 0.5));
     setup.instruments[0].start.grip = grip;
-    return World(std::move(setup));
+    return test::RememberingWorld(std::move(setup));
   }
 
   void close() {
@@ -35,7 +35,7 @@ struct Strip {
   }
   [[nodiscard]] const Grasp& grasp() const { return *world.instruments()[0].grasp; }
 
-  World world;
+  test::RememberingWorld world;
   InstrumentInput input;
 };
 
@@ -97,7 +97,7 @@ struct Operation {
     for (const InstrumentArm& arm : world.instruments()) inputs.emplace_back(arm.setup().start);
   }
 
-  static World make() {
+  static test::RememberingWorld make() {
     WorldSetup setup = test::world_setup(test::make_model(test::box_mesh(20, 4, 2, Vec3(40 * mm, 6 * mm, 2 * mm)), h,
                                                           [](const Vec3& x) { return x.x() < 1e-9; },
                                                           {200e3, 0.4, 1000}, {.rayleigh_stiffness = 0.01}));
@@ -110,12 +110,12 @@ struct Operation {
     add(InstrumentKind::bowel_grasper, Vec3(34 * mm, 20 * mm, z), 0.5);
     add(InstrumentKind::scissors, Vec3(22.3 * mm, 13 * mm, z), 0.8);
     setup.instruments[1].start.grip = 5;
-    return World(std::move(setup));
+    return test::RememberingWorld(std::move(setup));
   }
   const StepReport& step() { return world.step(inputs); }
   [[nodiscard]] const Grasp& grasp() const { return *world.instruments()[1].grasp; }
 
-  World world;
+  test::RememberingWorld world;
   test::Inputs inputs;
 };
 

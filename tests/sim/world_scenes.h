@@ -38,9 +38,35 @@ inline InstrumentSetup instrument(InstrumentKind kind, const Vec3& at, const Vec
   return setup;
 }
 
-inline std::size_t count(const World& world, EventKind kind) {
+/// A world that remembers all its events; those of an edit from outside count at once.
+class RememberingWorld : public World {
+ public:
+  using World::World;
+  const StepReport& step(std::span<const std::optional<InstrumentInput>> inputs) {
+    const StepReport& report = World::step(inputs);
+    past_.insert(past_.end(), events().begin(), events().end());
+    edited_ = false;
+    return report;
+  }
+  const StiffnessChange* edit(const TopologyEdit& edit, EventKind cause, const std::string& text,
+                              std::int32_t instrument = -1) {
+    edited_ = edited_ || !edit.empty();
+    return World::edit(edit, cause, text, instrument);
+  }
+  [[nodiscard]] std::vector<WorldEvent> history() const {
+    std::vector<WorldEvent> all = past_;
+    if (edited_) all.insert(all.end(), events().begin(), events().end());
+    return all;
+  }
+
+ private:
+  std::vector<WorldEvent> past_;
+  bool edited_ = false;
+};
+
+inline std::size_t count(const RememberingWorld& world, EventKind kind) {
   std::size_t sum = 0;
-  for (const WorldEvent& event : world.events()) sum += event.kind == kind;
+  for (const WorldEvent& event : world.history()) sum += event.kind == kind;
   return sum;
 }
 

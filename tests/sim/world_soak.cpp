@@ -249,12 +249,11 @@ std::string one_step(World& world, std::vector<Wanderer>& wanderers, test::Rando
   }
   test::Inputs inputs;
   for (Wanderer& wanderer : wanderers) inputs.push_back(wanderer.next(random, step));
-  const std::size_t before = world.events().size();
   const StepReport& report = world.step(inputs);
   bool lost = !world.options().split;
-  for (std::size_t e = before; e < world.events().size(); ++e) {
-    lost = lost || world.events()[e].kind == EventKind::burnt;
-    ++tally.events[static_cast<std::size_t>(world.events()[e].kind)];
+  for (const WorldEvent& event : world.events()) {
+    lost = lost || event.kind == EventKind::burnt;
+    ++tally.events[static_cast<std::size_t>(event.kind)];
   }
   ++tally.steps;
   tally.contacts += report.contacts;

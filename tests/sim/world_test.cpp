@@ -96,6 +96,7 @@ TEST(World, GravityMovesWhatIsNotCarriedOnly) {
 
 TEST(World, EnergyDoesNotGrowWithoutWork) {
   WorldSetup setup = setup_of(soft_box(3, Vec3(0.02, 0.02, 0.06), 5e3, [](const Vec3& x) { return x.z() < 1e-9; }));
+  setup.options.tearing = false;
   setup.options.gravity = Vec3(0, -9.81, 0);
   World world(std::move(setup));
   double energy = world.energy();
@@ -172,9 +173,8 @@ TEST(World, ScissorsPartASlabAndAFreePartFalls) {
     EXPECT_TRUE(report.free_motion.converged)
         << k << " " << report.free_motion.residual << " it " << report.free_motion.iterations;
     EXPECT_EQ(report.inverted, 0u) << k;
+    for (const WorldEvent& event : world.events()) cuts += event.kind == EventKind::cut;
   }
-  for (const WorldEvent& event : world.events())
-    if (event.kind == EventKind::cut) ++cuts;
   EXPECT_GE(cuts, 2u);
   const Parts parts = face_connected_parts(world.model().mesh());
   EXPECT_EQ(parts.count(), 2u);
