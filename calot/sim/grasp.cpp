@@ -37,6 +37,11 @@ void Grasp::release() {
   report_ = {};
 }
 
+void Grasp::release(double opening) {
+  release();
+  opening_ = std::clamp(opening, 0.0, geometry_.max_opening);
+}
+
 bool Grasp::holds(VertexId vertex) const {
   const auto at = std::lower_bound(holds_.begin(), holds_.end(), vertex,
                                    [](const Hold& hold, VertexId v) { return hold.vertex < v; });

@@ -72,6 +72,8 @@ class Grasp {
   /// After an edit, with every vertex's position before and after it.
   void follow(const Remap& remap, std::span<const Vec3> before, std::span<const Vec3> after);
   void release();
+  /// The same by jaws at this opening: something else is between them.
+  void release(double opening);
 
   [[nodiscard]] bool holding() const { return !holds_.empty(); }
   [[nodiscard]] bool holds(VertexId vertex) const;

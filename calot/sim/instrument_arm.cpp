@@ -38,7 +38,7 @@ void InstrumentArm::take(const std::optional<InstrumentInput>& input, double ste
 }
 
 bool InstrumentArm::jaws_touch() const {
-  if (!setup_.geometry.has_jaws() || closing() || (grasp && grasp->holding()) || in_cut) return false;
+  if (!setup_.geometry.has_jaws() || closing() || (grasp && grasp->holding()) || held_clip >= 0 || in_cut) return false;
   // A clip applier works with its jaws around a tube.
   return setup_.geometry.kind != InstrumentKind::clip_applier || opening_to_ >= 0.9 * setup_.geometry.max_opening;
 }

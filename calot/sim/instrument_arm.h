@@ -51,6 +51,7 @@ class InstrumentArm {
   std::int32_t held_clip = -1;      ///< a clip between closed jaws, by number; −1: none
   double clip_opening = 0;          ///< what the hand asked for when it took it [rad]
   Vec3 clip_anchor = Vec3::Zero();  ///< where it is held, in the instrument's frame [m]
+  Vec3 clip_pull = Vec3::Zero();    ///< of the jaws on it, in the last step [N]
   Vec3 force = Vec3::Zero();        ///< of the tissue on the instrument, in the last step [N]
 
   void append_state(std::string& bytes) const;

@@ -292,13 +292,14 @@ void World::gather_springs() {
   springs_ = ligaments_;
   const TissueSurface surface = tissue_surface();
   for (InstrumentArm& arm : arms_) {
-    if (!arm.grasp) continue;
+    if (!arm.grasp || arm.held_clip >= 0) continue;
     arm.grasp->update({h, arm.from(), arm.to(), arm.input().opening, arm.input().grip, surface, state_.velocities,
                        model_.mesh().positions});
     arm.set_opening(arm.grasp->opening());
-    arm.grasp->springs(springs_);
   }
   grip_clips();
+  for (const InstrumentArm& arm : arms_)
+    if (arm.grasp) arm.grasp->springs(springs_);
   loads_.assign(state_.positions.size(), Vec3::Zero());
   for (std::size_t v = 0; v < carried_masses_.size(); ++v) loads_[v] = -carried_masses_[v] * options_.gravity;
   for (std::size_t v = 0; v < lost_.size(); ++v)

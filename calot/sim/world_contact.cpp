@@ -245,6 +245,13 @@ void World::haptic_constraints(std::size_t instrument, HapticConstraints& out) c
   }
   out.held_wrench = arm.grasp ? arm.grasp->wrench() : Vector6(Vector6::Zero());
   out.held_stiffness = arm.grasp ? arm.grasp->stiffness() : Matrix6(Matrix6::Zero());
+  if (arm.held_clip < 0) return;
+  const Vec3 r = arm.to() * arm.clip_anchor - arm.to().position;
+  out.held_wrench.head<3>() -= arm.clip_pull;
+  out.held_wrench.tail<3>() -= r.cross(arm.clip_pull);
+  Eigen::Matrix<double, 3, 6> motion;  // of the clip's anchor, per twist
+  motion << Mat3::Identity(), -cross_matrix(r);
+  out.held_stiffness += arm.geometry().grip_stiffness * motion.transpose() * motion;
 }
 
 }  // namespace calot

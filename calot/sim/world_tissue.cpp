@@ -72,10 +72,12 @@ void World::follow_up(std::span<const Vec3> before) {
       std::to_string(report_.stuck) + " tets are stretched beyond what they bear, and no crack relieves them");
 }
 
-// Jaws that close on a clip hold it: the tissue in the clip is drawn along by springs as stiff as the instrument.
+// Jaws that close on a clip hold it and nothing else: its legs keep them off the tissue. What is in the clip is drawn along
+// by springs as stiff as the instrument.
 void World::grip_clips() {
   for (InstrumentArm& arm : arms_) {
     if (!arm.grasp) continue;
+    arm.clip_pull.setZero();
     if (arm.input().opening > arm.clip_opening + 0.02) arm.held_clip = -1;
     if (arm.held_clip < 0 && arm.closing())
       for (std::size_t k = 0; k < clips_.size() && arm.held_clip < 0; ++k) {
@@ -96,6 +98,8 @@ void World::grip_clips() {
       arm.held_clip = -1;
       continue;
     }
+    arm.set_opening(std::max(arm.opening_to(), arm.opening_from()));
+    arm.grasp->release(arm.opening_to());
     const Vec3 motion = arm.to() * arm.clip_anchor - clip.frame().position;
     for (const auto& [vertex, weight] : clip.held()) {
       Spring spring;
@@ -118,6 +122,7 @@ void World::pull_clips(std::span<const Vec3> before) {
       force +=
           weight * arm.geometry().grip_stiffness * (before[vertex.index()] + motion - state_.positions[vertex.index()]);
     clip.pull(force);
+    arm.clip_pull = force;
     arm.force -= force;
   }
 }
@@ -145,10 +150,11 @@ void World::update_holds() {
     const bool held = arm.held_before;
     arm.grasp->after_step(state_.positions);
     arm.force += arm.grasp->report().pull;
-    arm.held_before = arm.grasp->holding();
+    arm.held_before = arm.grasp->holding() || arm.held_clip >= 0;
     if (!held && arm.held_before)
       say(EventKind::grasped, number, static_cast<double>(arm.grasp->held_count()),
-          arm.setup().name + " took hold of " + std::to_string(arm.grasp->held_count()) + " vertices");
+          arm.setup().name + " took hold of " +
+              (arm.held_clip >= 0 ? "a clip" : std::to_string(arm.grasp->held_count()) + " vertices"));
     if (held && !arm.held_before) say(EventKind::let_go, number, 0, arm.setup().name + " let go");
     const bool slips = arm.grasp->report().slip > 0;
     if (slips && !arm.slipped_before)

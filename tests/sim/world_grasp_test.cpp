@@ -114,6 +114,17 @@ struct Operation {
   }
   const StepReport& step() { return world.step(inputs); }
   [[nodiscard]] const Grasp& grasp() const { return *world.instruments()[1].grasp; }
+  /// Where the band's cross-section at a place of its rest shape is now: the clip bends it, tools must follow.
+  [[nodiscard]] Vec3 middle_at(double x) const {
+    Vec3 middle = Vec3::Zero();
+    double number = 0;
+    for (std::size_t v = 0; v < world.state().positions.size(); ++v)
+      if (std::abs(world.model().mesh().positions[v].x() - x) < 0.1 * mm) {
+        middle += world.state().positions[v];
+        ++number;
+      }
+    return middle / number;
+  }
 
   test::RememberingWorld world;
   test::Inputs inputs;
@@ -123,6 +134,7 @@ TEST(WorldGrasp, ACutTakesNothingFromGraspAndClip) {
   Operation o;
   o.inputs[0]->fire = true;
   for (int k = 0; k < 60; ++k) {
+    if (k < 24) o.inputs[1]->pose.position.z() = o.middle_at(34 * mm).z();
     o.inputs[1]->opening = std::clamp(0.5 - 0.02 * (k - 24), 0.0, 0.5);
     const StepReport& report = o.step();
     EXPECT_TRUE(report.free_motion.converged) << k << " " << report.free_motion.residual;
@@ -136,15 +148,7 @@ TEST(WorldGrasp, ACutTakesNothingFromGraspAndClip) {
     o.inputs[1]->pose.position.x() += 0.02 * mm;
     o.step();
   }
-  // The clip has bent the band a little; the blades come to where it is now.
-  Vec3 middle = Vec3::Zero();
-  double number = 0;
-  for (std::size_t v = 0; v < o.world.state().positions.size(); ++v)
-    if (std::abs(o.world.model().mesh().positions[v].x() - 22 * mm) < 0.1 * mm) {
-      middle += o.world.state().positions[v];
-      ++number;
-    }
-  o.inputs[2]->pose.position = middle / number + Vec3(0.3 * mm, 10 * mm, 0);
+  o.inputs[2]->pose.position = o.middle_at(22 * mm) + Vec3(0.3 * mm, 10 * mm, 0);
   std::size_t cuts = 0, opened = 0;
   for (int k = 0; k < 60; ++k) {
     o.inputs[2]->opening = std::max(0.0, 0.8 * (1 - (k + 1) / 50.0));
@@ -201,6 +205,63 @@ TEST(WorldGrasp, ACutTakesNothingFromGraspAndClip) {
   EXPECT_NEAR(least, 12 * mm, 1 * mm);
   EXPECT_NEAR(most, 12 * mm, 1 * mm);
   EXPECT_LT(o.grasp().report().pull.norm(), 0.02);
+}
+
+// A stiff band, so that what gives is the instrument: 3 N/mm, however much of clip and tissue lies between its jaws.
+TEST(WorldGrasp, JawsOnAClipPullOnceAndTheHandFeelsIt) {
+  WorldSetup setup = test::world_setup(test::make_model(test::box_mesh(10, 4, 2, Vec3(20 * mm, 6 * mm, 2 * mm)), h,
+                                                        [](const Vec3& x) { return x.x() < 1e-9; }, {20e6, 0.3, 1000},
+                                                        {.rayleigh_stiffness = 0.01}));
+  const auto add = [&](InstrumentKind kind, const Vec3& at, double opening) {
+    setup.instruments.push_back(test::instrument(kind, at, -Vec3::UnitY(), Vec3::UnitX(), opening));
+  };
+  add(InstrumentKind::clip_applier, Vec3(10 * mm, 16.5 * mm, 1 * mm), 0.45);
+  add(InstrumentKind::bowel_grasper, Vec3(10 * mm, 18 * mm, 1 * mm), 0.5);
+  setup.instruments[1].start.grip = 3;
+  test::RememberingWorld world(std::move(setup));
+  test::Inputs inputs;
+  for (const InstrumentArm& arm : world.instruments()) inputs.emplace_back(arm.setup().start);
+  inputs[0]->fire = true;
+  for (int k = 0; k < 30; ++k) world.step(inputs);
+  inputs[0]->pose.position.y() += 20 * mm;
+  for (int k = 0; k < 60; ++k) {
+    inputs[1]->opening = std::max(0.0, 0.5 - 0.02 * k);
+    world.step(inputs);
+  }
+  const InstrumentArm& arm = world.instruments()[1];
+  ASSERT_EQ(arm.held_clip, 0);
+  EXPECT_FALSE(arm.grasp->holding());
+  EXPECT_GT(arm.opening_to(), 0.02);  // the clip keeps the jaws apart
+  EXPECT_EQ(test::count(world, EventKind::let_go), 0u);
+  const Vec3 before = arm.force;
+  constexpr double way = 0.2e-3;
+  for (int k = 0; k < 60; ++k) {
+    if (k < 20) inputs[1]->pose.position.x() += way / 20;
+    world.step(inputs);
+  }
+  const double stiffness = (before - arm.force).x() / way;
+  EXPECT_LT(stiffness, 3000);
+  EXPECT_GT(stiffness, 0.7 * 3000);
+
+  HapticConstraints felt;
+  world.haptic_constraints(1, felt);
+  ASSERT_EQ(felt.problem.friction.size(), 0u);
+  EXPECT_LT((felt.held_wrench.head<3>() - arm.force).norm(), 1e-9);
+  const Vec3 r = arm.to() * arm.clip_anchor - arm.to().position;
+  EXPECT_GT(r.norm(), 10 * mm);
+  EXPECT_LT((felt.held_wrench.tail<3>() - r.cross(arm.force)).norm(), 1e-9);
+  Vector6 twist;
+  twist << 1e-4, -2e-4, 3e-4, 0.01, 0.02, -0.01;
+  const Vec3 moved = twist.head<3>() + Vec3(twist.tail<3>()).cross(r), pulled = -3000 * moved;
+  const Vector6 change = -felt.held_stiffness * twist;
+  EXPECT_LT((change.head<3>() - pulled).norm(), 1e-9);
+  EXPECT_LT((change.tail<3>() - r.cross(pulled)).norm(), 1e-9);
+  for (int k = 0; k < 30; ++k) {
+    inputs[1]->opening = 0.9;
+    world.step(inputs);
+  }
+  EXPECT_LT(arm.held_clip, 0);
+  EXPECT_EQ(test::count(world, EventKind::let_go), 1u);
 }
 
 TEST(WorldGrasp, ACutThroughWhatIsHeldKeepsBothSidesHeld) {
