@@ -1,15 +1,19 @@
 // Many short runs of random scenes: instruments that move, cut, burn, grasp, clip and fail at random, edits from
 // outside. After each step everything is checked that must hold whatever is done. A run depends on its seed alone.
-//   world_soak [STEPS] [FIRST_SEED] [RUNS]   exits with 1 if anything broke; says the seeds
+//   world_soak [STEPS] [FIRST_SEED] [RUNS] [--hash]   exits with 1 if anything broke; says the seeds
+// --hash prints the state each run ended in, and all of them as one, to be compared between builds.
 #include <malloc.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <limits>
 #include <numbers>
 
+#include "calot/base/files.h"
 #include "calot/cut/split.h"
 #include "calot/mesh/quality.h"
 #include "tests/sim/world_scenes.h"
@@ -26,6 +30,8 @@ struct Tally {
   std::array<double, phase_count> seconds{};
   double worst_residual = 0, slowest = 0;
   std::uint64_t slowest_seed = 0;
+  bool tells_hashes = false;
+  std::string hashes;  ///< of the states in which runs ended
 };
 
 Vec3 direction(test::Random& random) {
@@ -288,6 +294,11 @@ void one_run(std::uint64_t seed, Tally& tally, std::size_t most) {
       ++tally.failures;
       break;
     }
+    if (tally.tells_hashes) {
+      const std::string hash = world.state_hash();
+      tally.hashes += hash;
+      std::printf("state seed %llu step %zu %s\n", static_cast<unsigned long long>(seed), step, hash.c_str());
+    }
   } catch (const std::exception& e) {
     std::printf("seed %llu step %zu: threw %s\n", static_cast<unsigned long long>(seed), step, e.what());
     ++tally.failures;
@@ -295,17 +306,29 @@ void one_run(std::uint64_t seed, Tally& tally, std::size_t most) {
   ++tally.runs;
 }
 
-/// What the program holds between runs, when all worlds are gone [MB].
+/// What the program holds between runs, when all worlds are gone: asked for and not given back [MB].
 double held() {
-  return static_cast<double>(mallinfo2().uordblks) / 1e6;
+  const auto info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd) / 1e6;
+}
+
+/// What is really in memory then [MB].
+double resident() {
+  malloc_trim(0);
+  std::ifstream in("/proc/self/statm");
+  double all = 0, pages = 0;
+  in >> all >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
 }
 
 void print(const Tally& tally) {
   std::printf(
       "%zu steps in %zu runs: %zu failures; %zu edits from outside, %zu ran away, %zu unsolved (worst residual %.1e), "
-      "%zu inverted tets, %zu contacts; slowest step %.0f ms (seed %llu); %.2f MB held between runs\n",
+      "%zu inverted tets, %zu contacts; slowest step %.0f ms (seed %llu); %.2f MB held between runs, %.1f MB "
+      "resident\n",
       tally.steps, tally.runs, tally.failures, tally.edits, tally.ran_away, tally.unsolved, tally.worst_residual,
-      tally.inverted, tally.contacts, 1e3 * tally.slowest, static_cast<unsigned long long>(tally.slowest_seed), held());
+      tally.inverted, tally.contacts, 1e3 * tally.slowest, static_cast<unsigned long long>(tally.slowest_seed), held(),
+      resident());
   std::printf("  ms a step:");
   for (std::size_t k = 0; k < phase_count; ++k)
     std::printf(" %s %.2f", std::string(name_of(static_cast<Phase>(k))).c_str(),
@@ -317,21 +340,31 @@ void print(const Tally& tally) {
   std::fflush(stdout);
 }
 
-int soak(std::size_t steps, std::uint64_t seed, std::size_t runs) {
+int soak(std::size_t steps, std::uint64_t seed, std::size_t runs, bool hashes) {
   Tally tally;
-  double after_warm_up = 0;
+  tally.tells_hashes = hashes;
+  double held_before = 0, resident_before = 0;
   const std::size_t between = std::max<std::size_t>(1, std::min<std::size_t>(steps / 10, 10000));
   std::size_t next_print = between;
   while (tally.steps < steps && tally.runs < runs) {
     one_run(seed++, tally, steps - tally.steps);
     if (tally.steps < next_print) continue;
-    if (after_warm_up == 0) after_warm_up = held();
+    if (held_before == 0) {  // warmed up
+      held_before = held();
+      resident_before = resident();
+    }
     print(tally);
     while (next_print <= tally.steps) next_print += between;
   }
   print(tally);
-  const bool grew = after_warm_up > 0 && held() > after_warm_up + 3;  // buffers of threads may come and grow a little
-  if (grew) std::printf("memory grew from %.2f to %.2f MB\n", after_warm_up, held());
+  if (hashes) std::printf("state of all %s\n", sha256(tally.hashes).c_str());
+  // Buffers of threads may come and grow a little; a leak in each of many runs doesn't stop at that.
+  constexpr double held_slack = 3, resident_slack = 40;
+  const bool grew =
+      held_before > 0 && (held() > held_before + held_slack || resident() > resident_before + resident_slack);
+  if (grew)
+    std::printf("memory grew from %.2f to %.2f MB held, from %.1f to %.1f MB resident\n", held_before, held(),
+                resident_before, resident());
   return tally.failures > 0 || grew ? 1 : 0;
 }
 
@@ -340,8 +373,14 @@ int soak(std::size_t steps, std::uint64_t seed, std::size_t runs) {
 
 int main(int argc, char** argv) {
   std::setvbuf(stdout, nullptr, _IOLBF, 1 << 14);
-  const auto argument = [&](int k, std::uint64_t fallback) {
-    return argc > k ? std::strtoull(argv[k], nullptr, 10) : fallback;
-  };
-  return calot::soak(argument(1, 2000), argument(2, 1), argument(3, ~0ull));
+  std::vector<std::uint64_t> numbers = {2000, 1, ~0ull};
+  std::size_t given = 0;
+  bool hashes = false;
+  for (int k = 1; k < argc; ++k) {
+    if (std::string_view(argv[k]) == "--hash")
+      hashes = true;
+    else if (given < numbers.size())
+      numbers[given++] = std::strtoull(argv[k], nullptr, 10);
+  }
+  return calot::soak(numbers[0], numbers[1], numbers[2], hashes);
 }
