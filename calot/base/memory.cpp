@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <mutex>
 #include <utility>
+#include <vector>
 
 #include "calot/base/error.h"
 
@@ -28,6 +30,43 @@ std::uint64_t number_in(const char* file, std::uint64_t fallback) {
   std::ifstream in(file);
   std::uint64_t value = 0;
   return in >> value ? value : fallback;
+}
+
+// What recycled buffers gave back.
+class Pool {
+ public:
+  static constexpr std::size_t granule = std::size_t{1} << 16, largest = std::size_t{1} << 25,
+                               most = std::size_t{1} << 26;
+  // The smallest that fits and isn't much too large; none: null.
+  std::pair<void*, std::size_t> take(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    auto best = free_.end();
+    for (auto it = free_.begin(); it != free_.end(); ++it)
+      if (it->second >= bytes && it->second <= 2 * bytes && (best == free_.end() || it->second < best->second))
+        best = it;
+    if (best == free_.end()) return {nullptr, 0};
+    const auto found = *best;
+    held_ -= found.second;
+    free_.erase(best);
+    return found;
+  }
+  bool keep(void* memory, std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    if (bytes > largest || held_ + bytes > most) return false;
+    free_.emplace_back(memory, bytes);
+    held_ += bytes;
+    return true;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<void*, std::size_t>> free_;
+  std::size_t held_ = 0;
+};
+
+Pool& pool() {
+  static Pool* const all = new Pool;  // outlives every buffer, those of other statics too
+  return *all;
 }
 
 }  // namespace
@@ -78,8 +117,24 @@ Buffer::Buffer(std::size_t count) : count_(count) {
   data_ = static_cast<double*>(memory);
 }
 
+Buffer Buffer::recycled(std::size_t count) {
+  const std::size_t bytes = (count * sizeof(double) + Pool::granule - 1) / Pool::granule * Pool::granule;
+  Buffer buffer;
+  if (count == 0 || bytes > Pool::largest) {
+    buffer = Buffer(count);
+  } else if (const auto [memory, there] = pool().take(bytes); memory) {
+    buffer.data_ = static_cast<double*>(memory);
+    buffer.mapped_ = there;
+  } else {
+    buffer = Buffer(bytes / sizeof(double));
+  }
+  buffer.count_ = count;
+  buffer.recycled_ = true;
+  return buffer;
+}
+
 void Buffer::release() {
-  if (data_) munmap(data_, mapped_);
+  if (data_ && !(recycled_ && pool().keep(data_, mapped_))) munmap(data_, mapped_);
   data_ = nullptr;
 }
 
@@ -87,6 +142,7 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(data_, other.data_);
   std::swap(count_, other.count_);
   std::swap(mapped_, other.mapped_);
+  std::swap(recycled_, other.recycled_);
 }
 
 }  // namespace calot

@@ -21,6 +21,9 @@ class Buffer {
  public:
   Buffer() = default;
   explicit Buffer(std::size_t count);
+  /// One that may have been used before and hold anything. Memory of moderate size that such buffers give back is kept
+  /// for the next ones: pages that come fresh from the system cost more than a small factor's arithmetic.
+  static Buffer recycled(std::size_t count);
   ~Buffer() { release(); }
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {
@@ -36,6 +39,7 @@ class Buffer {
   void release();
   double* data_ = nullptr;
   std::size_t count_ = 0, mapped_ = 0;
+  bool recycled_ = false;
 };
 
 }  // namespace calot

@@ -2,7 +2,6 @@
 // registers.
 #pragma once
 #include <memory>
-#include <vector>
 
 #include "calot/compliance/sparse_factor.h"
 
@@ -16,11 +15,12 @@ class FloatFactor {
 
   [[nodiscard]] std::size_t size() const { return 3 * pattern_->vertices(); }
   [[nodiscard]] const FactorPattern& pattern() const { return *pattern_; }
-  [[nodiscard]] const float* panel(std::size_t s) const { return values_.data() + pattern_->panel_start[s]; }
+  [[nodiscard]] const float* panel(std::size_t s) const { return values() + pattern_->panel_start[s]; }
 
  private:
   std::shared_ptr<const FactorPattern> pattern_;
-  std::vector<float> values_;  // panels as in SparseFactor
+  [[nodiscard]] const float* values() const { return reinterpret_cast<const float*>(values_.data()); }
+  Buffer values_;  // panels as in SparseFactor, two numbers in the room of one
 };
 
 }  // namespace calot

@@ -10,17 +10,7 @@
 namespace calot::detail {
 
 /// The supernodes on the paths from those of `positions` to the roots, ascending.
-inline std::vector<std::uint32_t> elimination_path(const FactorPattern& f, std::span<const std::uint32_t> positions) {
-  std::vector<std::uint8_t> on_path(f.supernodes(), 0);
-  for (const std::uint32_t p : positions)
-    for (auto s = static_cast<std::int32_t>(f.super_of[p]); s >= 0 && !on_path[static_cast<std::size_t>(s)];
-         s = f.parent[static_cast<std::size_t>(s)])
-      on_path[static_cast<std::size_t>(s)] = 1;
-  std::vector<std::uint32_t> path;
-  for (std::size_t s = 0; s < on_path.size(); ++s)
-    if (on_path[s]) path.push_back(static_cast<std::uint32_t>(s));
-  return path;
-}
+std::vector<std::uint32_t> elimination_path(const FactorPattern& f, std::span<const std::uint32_t> positions);
 
 /// X ← L⁻¹ X, column-major with `ld` rows a column, k columns, whose non-zeros all lie on `path`; other rows are not
 /// looked at. `Factor` is a SparseFactor or a FloatFactor.
@@ -53,64 +43,84 @@ void forward_on_path(const Factor& factor, std::span<const std::uint32_t> path, 
 /// y ← y − three columns of a panel times x: y is read and written once for all of them.
 void subtract_three(float* y, const float* a, std::size_t ld, const float* x, std::size_t count);
 void subtract_three(double* y, const double* a, std::size_t ld, const double* x, std::size_t count);
-/// aᵀ x, summed in sixteen interleaved parts, so that the order doesn't depend on the width of the registers.
-float interleaved_dot(const float* a, const float* x, std::size_t count);
-double interleaved_dot(const double* a, const double* x, std::size_t count);
+/// Three columns of a panel, each times x, summed in interleaved parts, so that the order doesn't depend on the width
+/// of the registers.
+void dot_three(const float* a, std::size_t ld, const float* x, std::size_t count, float* sums);
+void dot_three(const double* a, std::size_t ld, const double* x, std::size_t count, double* sums);
 
-/// One supernode of x ← L⁻¹ x.
+/// One supernode of x ← L⁻¹ x. `work`: as many as its rows.
 template <class Real, class Factor>
-void eliminate_supernode(const Factor& factor, std::size_t s, Real* x, std::vector<Real>& work) {
+void eliminate_supernode(const Factor& factor, std::size_t s, Real* x, Real* work) {
   const FactorPattern& f = factor.pattern();
   const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
   const Real* panel = factor.panel(s);
-  Real* y = x + 3 * std::size_t{f.super_start[s]};
-  std::fill_n(work.begin(), below, Real{0});
+  Real* mine = x + 3 * std::size_t{f.super_start[s]};
+  std::copy_n(mine, own, work);
+  std::fill_n(work + own, below, Real{0});
   for (std::size_t j = 0; j < own; j += 3) {  // a vertex at a time
-    const Real* c = panel + j * ld;
-    y[j] /= c[j];
-    y[j + 1] = (y[j + 1] - c[j + 1] * y[j]) / c[ld + j + 1];
-    y[j + 2] = (y[j + 2] - c[j + 2] * y[j] - c[ld + j + 2] * y[j + 1]) / c[2 * ld + j + 2];
-    subtract_three(y + j + 3, c + j + 3, ld, y + j, own - j - 3);
-    subtract_three(work.data(), c + own, ld, y + j, below);
+    const Real* c = panel + j * (ld + 1);
+    Real* y = work + j;
+    y[0] /= c[0];
+    y[1] = (y[1] - c[1] * y[0]) / c[ld + 1];
+    y[2] = (y[2] - c[2] * y[0] - c[ld + 2] * y[1]) / c[2 * ld + 2];
+    subtract_three(y + 3, c + 3, ld, y, ld - j - 3);
   }
+  std::copy_n(work, own, mine);
   const std::span<const std::uint32_t> rows = f.rows_of(s);
   for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t a = 0; a < 3; ++a) x[3 * std::size_t{rows[i]} + a] += work[3 * i + a];
+    for (std::size_t a = 0; a < 3; ++a) x[3 * std::size_t{rows[i]} + a] += work[own + 3 * i + a];
+}
+
+/// One supernode of x ← L⁻ᵀ x. `work`: as many as its rows.
+template <class Real, class Factor>
+void substitute_supernode(const Factor& factor, std::size_t s, Real* x, Real* work) {
+  const FactorPattern& f = factor.pattern();
+  const std::size_t own = 3 * f.own(s), ld = own + 3 * f.below(s);
+  const Real* panel = factor.panel(s);
+  Real* mine = x + 3 * std::size_t{f.super_start[s]};
+  std::copy_n(mine, own, work);
+  const std::span<const std::uint32_t> rows = f.rows_of(s);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t a = 0; a < 3; ++a) work[own + 3 * i + a] = x[3 * std::size_t{rows[i]} + a];
+  for (std::size_t j = own; j > 0;) {
+    j -= 3;
+    const Real* c = panel + j * (ld + 1);
+    Real* y = work + j;
+    Real sums[3];
+    dot_three(c + 3, ld, y + 3, ld - j - 3, sums);
+    y[2] = (y[2] - sums[2]) / c[2 * ld + 2];
+    y[1] = (y[1] - sums[1] - c[ld + 2] * y[2]) / c[ld + 1];
+    y[0] = (y[0] - sums[0] - c[1] * y[1] - c[2] * y[2]) / c[0];
+  }
+  std::copy_n(work, own, mine);
 }
 
 /// x ← L⁻¹ x for one vector, on one thread; `work` is grown once.
 template <class Real, class Factor>
 void forward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
   work.resize(std::max(work.size(), factor.size()));
-  for (std::size_t s = 0; s < factor.pattern().supernodes(); ++s) eliminate_supernode(factor, s, x, work);
+  for (std::size_t s = 0; s < factor.pattern().supernodes(); ++s) eliminate_supernode(factor, s, x, work.data());
 }
 
 /// The same for x whose non-zeros all lie on a path.
 template <class Real, class Factor>
 void forward_vector(const Factor& factor, std::span<const std::uint32_t> path, Real* x, std::vector<Real>& work) {
   work.resize(std::max(work.size(), factor.size()));
-  for (const std::uint32_t s : path) eliminate_supernode(factor, s, x, work);
+  for (const std::uint32_t s : path) eliminate_supernode(factor, s, x, work.data());
+}
+
+/// x ← L⁻ᵀ x on a path's rows; others are not looked at.
+template <class Real, class Factor>
+void backward_vector(const Factor& factor, std::span<const std::uint32_t> path, Real* x, std::vector<Real>& work) {
+  work.resize(std::max(work.size(), factor.size()));
+  for (std::size_t k = path.size(); k-- > 0;) substitute_supernode(factor, path[k], x, work.data());
 }
 
 /// x ← L⁻ᵀ x for one vector.
 template <class Real, class Factor>
 void backward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
-  const FactorPattern& f = factor.pattern();
   work.resize(std::max(work.size(), factor.size()));
-  for (std::size_t s = f.supernodes(); s-- > 0;) {
-    const std::size_t own = 3 * f.own(s), below = 3 * f.below(s), ld = own + below;
-    const Real* panel = factor.panel(s);
-    Real* y = x + 3 * std::size_t{f.super_start[s]};
-    const std::span<const std::uint32_t> rows = f.rows_of(s);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t a = 0; a < 3; ++a) work[3 * i + a] = x[3 * std::size_t{rows[i]} + a];
-    for (std::size_t j = own; j-- > 0;) {
-      const Real* c = panel + j * ld;
-      const Real sum =
-          interleaved_dot(c + j + 1, y + j + 1, own - j - 1) + interleaved_dot(c + own, work.data(), below);
-      y[j] = (y[j] - sum) / c[j];
-    }
-  }
+  for (std::size_t s = factor.pattern().supernodes(); s-- > 0;) substitute_supernode(factor, s, x, work.data());
 }
 
 }  // namespace calot::detail

@@ -15,21 +15,16 @@ constexpr std::size_t tile = 256;             // rows of a tile of a large front
 constexpr std::size_t panel_step = 192;       // columns eliminated at once in a large front
 constexpr std::size_t right_hand_sides = 32;  // columns solved together
 
-// The update matrix of a front. Large ones come from the system and go back to it at once, so that the memory held is
-// that of the fronts that are alive.
+// The update matrix of a front. Large ones go back to where they came from at once, so that the memory held is that of
+// the fronts that are alive.
 class UpdateMatrix {
  public:
   void make(std::size_t size) {
     if (size < large)
       small_.assign(size, 0.0);
     else
-      buffer_ = Buffer(size);
+      fill_buffer(size);
     size_ = size;
-    // Fresh memory is zero, but written to first: reading it first costs a second fault a page, which stops all
-    // threads.
-    constexpr std::size_t page = 512;
-    if (size >= large)
-      for (std::size_t i = 0; i < size; i += page) buffer_.data()[i] = 0;
   }
   void drop() {
     small_ = {};
@@ -39,6 +34,10 @@ class UpdateMatrix {
   [[nodiscard]] double* data() { return size_ < large ? small_.data() : buffer_.data(); }
 
  private:
+  void fill_buffer(std::size_t size) {
+    buffer_ = Buffer::recycled(size);
+    std::fill_n(buffer_.data(), size, 0.0);
+  }
   static constexpr std::size_t large = 32768;
   std::size_t size_ = 0;
   std::vector<double> small_;
@@ -294,7 +293,7 @@ void subtract_rows(double* x, std::size_t ld, const double* y, std::span<const s
 
 SparseFactor::SparseFactor(std::shared_ptr<const FactorPattern> pattern, const BlockMatrix& matrix,
                            std::span<const std::uint8_t> active, std::span<const std::uint8_t> dead, Progress* progress)
-    : pattern_(std::move(pattern)), values_(pattern_->panel_start.back()) {
+    : pattern_(std::move(pattern)), values_(Buffer::recycled(pattern_->panel_start.back())) {
   blas::use_one_thread();
   Multifrontal(*pattern_, matrix, active, dead, values_.data()).run(progress);
 }

@@ -131,6 +131,12 @@ void ContactSurface::index_vertices(std::size_t vertices) {
   std::vector<std::uint32_t> next(start_.begin(), start_.end() - 1);
   for (std::uint32_t i = 0; i < triangles_.size(); ++i)
     for (const VertexId v : triangles_[i].vertices) around_[next[v.index()]++] = i;
+  rest_faces_.resize(triangles_.size());
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const auto& v = triangles_[i].vertices;
+    const Vec3 &a = rest_[v[0].index()], &b = rest_[v[1].index()], &c = rest_[v[2].index()];
+    rest_faces_[i] = {(a + b + c) / 3, unit_normal(a, b, c)};
+  }
 }
 
 void ContactSurface::refit(std::span<const Vec3> positions, std::span<const Vec3> motion, double margin) {

@@ -44,7 +44,11 @@ class ContactSurface {
   [[nodiscard]] const std::vector<Vec3>& normals() const { return normals_; }  ///< unit, of triangles; of last refit
   [[nodiscard]] const std::vector<Vec3>& positions() const { return positions_; }  ///< n [m]
   [[nodiscard]] const std::vector<Vec3>& motion() const { return motion_; }        ///< n [m]
-  [[nodiscard]] const std::vector<Vec3>& rest() const { return rest_; }            ///< n [m]
+  /// Where a triangle's middle is in the rest shape, and its unit normal there.
+  struct RestFace {
+    Vec3 middle, normal;
+  };
+  [[nodiscard]] const std::vector<RestFace>& rest_faces() const { return rest_faces_; }
   [[nodiscard]] double largest_motion() const { return largest_motion_; }
   [[nodiscard]] const detail::BoxTree& tree() const { return *tree_; }
   /// The triangles at a vertex, ascending.
@@ -66,6 +70,7 @@ class ContactSurface {
   std::vector<ContactTriangle> triangles_;
   std::vector<std::uint32_t> start_, around_;  // triangles of each vertex, compressed rows
   std::vector<Vec3> normals_, positions_, motion_, rest_;
+  std::vector<RestFace> rest_faces_;
   double largest_motion_ = 0;
   std::unique_ptr<detail::BoxTree> tree_;
   bool tree_is_stale_ = true;

@@ -44,21 +44,32 @@ class Meeting {
   Meeting(const Side& a, const Side& b, double deepest, double margin)
       : a_(a), b_(b), deepest_(deepest), margin_(margin), between_((b.normal - a.normal).normalized()) {
     double motion = 0;
-    for (int c = 0; c < 3; ++c) motion = std::max({motion, a.motion[c].norm(), b.motion[c].norm()});
-    reach_ = (1 + sideways) * std::max(margin + 2 * motion, deepest);
+    for (int c = 0; c < 3; ++c) motion = std::max({motion, a.motion[c].squaredNorm(), b.motion[c].squaredNorm()});
+    motion = std::sqrt(motion);
+    // A gap's sign and, but for a slant, its size are those of the distance from the other's plane.
+    const double slant = std::sqrt(1 + sideways * sideways);
+    highest_ = slant * (margin + 2 * motion) + 1e-6;
+    lowest_ = -slant * deepest - 1e-6;
   }
 
   /// Calls visit(weights of a, weights of b, normal from b to a, gap, expected gap, name of the features).
   template <class Visit>
   void each(const Visit& visit) const {
+    Vec3 from_b, from_a;  // of the corners of one from the plane of the other
+    for (int c = 0; c < 3; ++c) {
+      from_b(c) = b_.normal.dot(a_.corners[c] - b_.corners[0]);
+      from_a(c) = a_.normal.dot(b_.corners[c] - a_.corners[0]);
+    }
+    if (from_b.minCoeff() > highest_ || from_b.maxCoeff() < lowest_ || from_a.minCoeff() > highest_ ||
+        from_a.maxCoeff() < lowest_)
+      return;
     bool met = false;
     for (int c = 0; c < 3; ++c) {
-      // A corner further from the other's plane than anything that counts needs no closer look.
-      if (std::abs(b_.normal.dot(a_.corners[c] - b_.corners[0])) < reach_) {
+      if (from_b(c) > lowest_ && from_b(c) < highest_) {
         const Vec3 on_b = closest_on_triangle(a_.corners[c], b_.corners[0], b_.corners[1], b_.corners[2]);
         met |= offer(Vec3::Unit(c), on_b, is_inside(on_b) ? b_.normal : between_, a_.ids[c], visit);
       }
-      if (std::abs(a_.normal.dot(b_.corners[c] - a_.corners[0])) < reach_) {
+      if (from_a(c) > lowest_ && from_a(c) < highest_) {
         const Vec3 on_a = closest_on_triangle(b_.corners[c], a_.corners[0], a_.corners[1], a_.corners[2]);
         met |= offer(on_a, Vec3::Unit(c), is_inside(on_a) ? Vec3(-a_.normal) : between_, b_.ids[c], visit);
       }
@@ -103,7 +114,7 @@ class Meeting {
   }
 
   const Side &a_, &b_;
-  double deepest_, margin_, reach_ = 0;
+  double deepest_, margin_, highest_ = 0, lowest_ = 0;
   Vec3 between_;
 };
 
@@ -114,37 +125,19 @@ enum class AtRest : std::uint8_t {
   round_a_bend,  // with the same tissue behind both, as on either side of an edge
 };
 AtRest at_rest(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) {
-  const auto rest = [&](std::uint32_t k) {
-    const auto& v = surface.triangles()[k].vertices;
-    return Corners{surface.rest()[v[0].index()], surface.rest()[v[1].index()], surface.rest()[v[2].index()]};
-  };
-  const Corners a = rest(i), b = rest(j);
-  const Vec3 third = Vec3::Constant(1.0 / 3);
-  const Vec3 apart = weighted(a, third) - weighted(b, third);
+  const ContactSurface::RestFace &a = surface.rest_faces()[i], &b = surface.rest_faces()[j];
+  const Vec3 apart = a.middle - b.middle;
   const double distance = apart.norm();
   if (distance > rest_reach) return AtRest::apart;
-  const Vec3 normal_a = (a[1] - a[0]).cross(a[2] - a[0]).normalized(),
-             normal_b = (b[1] - b[0]).cross(b[2] - b[0]).normalized();
-  if (normal_a.dot(normal_b) < 0 && (normal_b - normal_a).normalized().dot(apart) < -0.3 * distance)
+  if (a.normal.dot(b.normal) < 0 && (b.normal - a.normal).normalized().dot(apart) < -0.3 * distance)
     return AtRest::back_to_back;
-  const bool bend = normal_b.dot(apart) < -0.1 * distance && normal_a.dot(apart) > 0.1 * distance;
+  const bool bend = b.normal.dot(apart) < -0.1 * distance && a.normal.dot(apart) > 0.1 * distance;
   return bend ? AtRest::round_a_bend : AtRest::apart;
 }
 
 /// Tissue between jaws is squeezed until faces round a bend seem to have passed through each other. They haven't; but a
 /// fold may close between them, which begins with a gap.
-void leave_out_own_tissue(const ContactSurface& surface, std::uint32_t i, std::uint32_t j, std::size_t before,
-                          std::vector<Candidate>& found) {
-  constexpr double deepest_in_a_fold = 0.3e-3;
-  const AtRest rest = at_rest(surface, i, j);
-  if (rest == AtRest::apart) return;
-  const auto first = found.begin() + static_cast<std::ptrdiff_t>(before);
-  found.erase(std::remove_if(first, found.end(),
-                             [&](const Candidate& candidate) {
-                               return rest == AtRest::back_to_back || candidate.contact.gap < -deepest_in_a_fold;
-                             }),
-              found.end());
-}
+constexpr double deepest_in_a_fold = 0.3e-3;
 
 bool share_a_vertex(const Side& a, const Side& b) {
   return std::any_of(a.ids.begin(), a.ids.end(),
@@ -169,13 +162,15 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
   BoxTree::pairs(surface.tree(), surface.tree(), opposed, [&](std::uint32_t i, std::uint32_t j) {
     if (surface.normals()[i].dot(surface.normals()[j]) >= opposed) return;
     if (i > j) std::swap(i, j);
+    const AtRest rest = at_rest(surface, i, j);
+    if (rest == AtRest::back_to_back) return;
     const Side a = tissue_side(surface, i), b = tissue_side(surface, j);
     if (share_a_vertex(a, b)) return;
-    const std::size_t before = found.size();
     const ContactTriangle &triangle = surface.triangles()[i], &other = surface.triangles()[j];
     Meeting(a, b, options.deepest_overlap, options.margin)
         .each([&](const Vec3& weights_a, const Vec3& weights_b, const Vec3& normal, double gap, double expected,
                   std::uint64_t name) {
+          if (rest == AtRest::round_a_bend && gap < -deepest_in_a_fold) return;
           Candidate candidate;
           TissueContact& contact = candidate.contact;
           contact.partner = ContactPartner::tissue;
@@ -190,7 +185,6 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
           candidate.at = weighted(a.corners, weights_a);
           found.push_back(candidate);
         });
-    if (found.size() > before) leave_out_own_tissue(surface, i, j, before, found);
   });
 }
 

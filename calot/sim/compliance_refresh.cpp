@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "calot/base/error.h"
 #include "calot/base/parallel.h"
@@ -25,11 +26,16 @@ bool keeps_pattern(const Remap& remap) {
 
 }  // namespace
 
+int latency_of(const FactorPattern& pattern, std::size_t ready, double time_step) {
+  const double seconds = 5e-3 + pattern.flops / 10e9 + 3 * static_cast<double>(ready) * pattern.nonzeros / 6e9;
+  return static_cast<int>(std::clamp(std::ceil(1.25 * seconds / time_step), 2.0, 60.0));
+}
+
 ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tissue, std::span<const Spring> springs,
                                      const RefreshOptions& options)
     : options_(options) {
-  if (options_.interval < 1 || options_.latency < 1)
-    throw InputError("refresh", "interval and latency must be at least one step", "use 8 and 6");
+  if (options_.interval < 0 || options_.latency < 0)
+    throw InputError("refresh", "has an interval or a latency below 0", "leave both at 0");
   pairs_ = pairs_of(springs);
   const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
   present_ = std::make_unique<WarpedCompliance>(request);
@@ -76,7 +82,7 @@ void ComplianceRefresh::rebuild(const Model& model, const Corotational& tissue, 
 }
 
 bool ComplianceRefresh::start_is_due(std::uint64_t step) const {
-  return !next_ && step % static_cast<std::uint64_t>(options_.interval) == 0;
+  return !next_ && step >= start_at_;
 }
 
 void ComplianceRefresh::start(std::uint64_t step, const Model& model, const Corotational& tissue,
@@ -90,7 +96,10 @@ void ComplianceRefresh::start(std::uint64_t step, const Model& model, const Coro
       model, tissue.rotations(), {springs.begin(), springs.end()}, std::move(likely), fits ? pattern_ : nullptr};
   next_ = std::make_unique<WarpedCompliance>(request);
   next_pattern_fits_ = true;
-  adopt_at_ = step + static_cast<std::uint64_t>(options_.latency);
+  const int latency = options_.latency > 0 ? options_.latency
+                                           : latency_of(*pattern_, request.likely.size(), model.dynamics().time_step);
+  adopt_at_ = step + static_cast<std::uint64_t>(latency);
+  start_at_ = step + static_cast<std::uint64_t>(options_.interval);
   work_ = std::async(std::launch::async, [request = std::move(request)] {
     const BackgroundLane lane;
     return make_base(request);

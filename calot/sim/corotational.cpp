@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t blocks_at_once = 64;  // of a parallel loop
 constexpr int newton_steps = 4;
+constexpr double small_enough = 1e-5;  // Newton's next step would be of this size squared [rad]
 
 using Lane = std::array<double, 8>;
 #define CALOT_LANES for (std::size_t l = 0; l < 8; ++l)
@@ -97,7 +98,7 @@ inline double newton_step(const std::array<Lane, 9>& s, std::array<Lane, 4>& q) 
   return largest;
 }
 
-// Volume times stress in the rotated frame, from S: λ tr(ε) I + 2μ ε with ε = sym(S) − identity·I.
+// Volume times stress: λ tr(ε) I + 2μ ε with ε = sym(S) − identity·I.
 inline void stress_of(const std::array<Lane, 9>& s, const Lane& lambda, const Lane& two_mu, double identity,
                       std::array<Lane, 6>& p) {
   CALOT_LANES {
@@ -112,50 +113,60 @@ inline void stress_of(const std::array<Lane, 9>& s, const Lane& lambda, const La
   }
 }
 
+inline void turn(const std::array<Lane, 4>& q, const std::array<Lane, 9>& g, std::array<Lane, 9>& turned) {
+  std::array<Lane, 9> r;
+  matrix_of(q, r);
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t i = 0; i < 3; ++i)
+      CALOT_LANES turned[3 * a + i][l] =
+          r[3 * i][l] * g[3 * a][l] + r[3 * i + 1][l] * g[3 * a + 1][l] + r[3 * i + 2][l] * g[3 * a + 2][l];
+}
+
 constexpr std::size_t symmetric[9] = {0, 3, 5, 3, 1, 4, 5, 4, 2};
 
 }  // namespace
 
+// For an isotropic tissue R P(Rᵀ F) g = P(sym(F Rᵀ)) R g: with the gradients turned, R itself isn't needed.
 CALOT_WIDE void Corotational::block_forces(const Block& block, const BlockRotation& rotation, const double* in,
                                            double identity, double* out) {
-  std::array<Lane, 9> f, s, t;
+  std::array<Lane, 9> s;
   std::array<Lane, 6> p;
-  gradient_of(block.vertex, block.gradient, in, f);
-  unrotate(rotation.matrix, f, s);
+  gradient_of(block.vertex, rotation.gradient, in, s);
   stress_of(s, block.lambda, block.two_mu, identity, p);
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      CALOT_LANES t[3 * i + j][l] = rotation.matrix[3 * i][l] * p[symmetric[j]][l] +
-                                    rotation.matrix[3 * i + 1][l] * p[symmetric[3 + j]][l] +
-                                    rotation.matrix[3 * i + 2][l] * p[symmetric[6 + j]][l];
   std::array<Lane, 12> corner;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t a = 0; a < 3; ++a)
-      CALOT_LANES corner[3 * (a + 1) + i][l] = t[3 * i][l] * block.gradient[3 * a][l] +
-                                               t[3 * i + 1][l] * block.gradient[3 * a + 1][l] +
-                                               t[3 * i + 2][l] * block.gradient[3 * a + 2][l];
+      CALOT_LANES corner[3 * (a + 1) + i][l] = p[symmetric[3 * i]][l] * rotation.gradient[3 * a][l] +
+                                               p[symmetric[3 * i + 1]][l] * rotation.gradient[3 * a + 1][l] +
+                                               p[symmetric[3 * i + 2]][l] * rotation.gradient[3 * a + 2][l];
     CALOT_LANES corner[i][l] = -(corner[3 + i][l] + corner[6 + i][l] + corner[9 + i][l]);
   }
   CALOT_LANES for (std::size_t k = 0; k < 12; ++k) out[12 * l + k] = corner[k][l];
 }
 
 CALOT_WIDE double Corotational::rotate_block(const Block& block, BlockRotation& rotation, const double* positions) {
-  std::array<Lane, 9> f, s;
+  std::array<Lane, 9> f, r, s;
   gradient_of(block.vertex, block.gradient, positions, f);
+  matrix_of(rotation.quaternion, r);
   double missing = 0;
   for (int step = 0; step < newton_steps; ++step) {
-    unrotate(rotation.matrix, f, s);
+    unrotate(r, f, s);
     missing = newton_step(s, rotation.quaternion);
-    matrix_of(rotation.quaternion, rotation.matrix);
+    matrix_of(rotation.quaternion, r);
+    if (missing < small_enough) break;  // of this block alone: the same on any number of threads
   }
+  turn(rotation.quaternion, block.gradient, rotation.gradient);
   return missing;
 }
 
+void Corotational::turn_gradient(const Block& block, BlockRotation& rotation) {
+  turn(rotation.quaternion, block.gradient, rotation.gradient);
+}
+
 double Corotational::block_energy(const Block& block, const BlockRotation& rotation, const double* positions) {
-  std::array<Lane, 9> f, s;
+  std::array<Lane, 9> s;
   std::array<Lane, 6> p;
-  gradient_of(block.vertex, block.gradient, positions, f);
-  unrotate(rotation.matrix, f, s);
+  gradient_of(block.vertex, rotation.gradient, positions, s);
   stress_of(s, block.lambda, block.two_mu, 1, p);
   double sum = 0;
   CALOT_LANES sum +=
@@ -167,10 +178,10 @@ double Corotational::block_energy(const Block& block, const BlockRotation& rotat
 Corotational::Corotational(const Model& model) {
   rebuild(model);
   rotations_.resize(blocks_.size());
-  for (BlockRotation& r : rotations_) {
-    for (auto& lane : r.quaternion) lane.fill(0);
-    r.quaternion[0].fill(1);
-    matrix_of(r.quaternion, r.matrix);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    for (auto& lane : rotations_[b].quaternion) lane.fill(0);
+    rotations_[b].quaternion[0].fill(1);
+    turn_gradient(blocks_[b], rotations_[b]);
   }
 }
 
@@ -210,7 +221,7 @@ void Corotational::rebuild(const Model& model) {
 }
 
 void Corotational::restiffen(const Model& model) {
-  rebuild(model);
+  rebuild(model);  // the shapes stay, so do the turned gradients
 }
 
 void Corotational::follow(const Model& model, const Remap& remap) {
@@ -299,7 +310,7 @@ void Corotational::set_rotations(std::span<const Eigen::Quaterniond> rotations) 
       rotations_[b].quaternion[2][l] = q.y();
       rotations_[b].quaternion[3][l] = q.z();
     }
-    matrix_of(rotations_[b].quaternion, rotations_[b].matrix);
+    turn_gradient(blocks_[b], rotations_[b]);
   }
 }
 

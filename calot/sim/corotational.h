@@ -18,8 +18,8 @@ class Corotational {
   /// Rotations start at the identity.
   explicit Corotational(const Model& model);
 
-  /// Rotations of all tets for these positions (n), by Newton's method from the rotations before: a fixed number of
-  /// iterations, so the work never varies. @return the largest angle [rad] still missing in any tet
+  /// Rotations of all tets for these positions (n), by Newton's method from the rotations before: at most four
+  /// iterations. @return the largest angle [rad] that the last of them still turned a tet by
   double update_rotations(std::span<const Vec3> positions);
 
   /// f = elastic force [N] on every vertex at `positions` with the rotations as they are; n each.
@@ -51,13 +51,14 @@ class Corotational {
   };
   struct BlockRotation {
     std::array<Lane, 4> quaternion;  // w, x, y, z
-    std::array<Lane, 9> matrix;      // row-major
+    std::array<Lane, 9> gradient;    // of corners 1, 2, 3, turned
   };
   enum class Product { force, linear };
   template <Product product>
   void apply(std::span<const Vec3> in, std::span<Vec3> out) const;
   static void block_forces(const Block& block, const BlockRotation& rotation, const double* in, double identity,
                            double* out);
+  static void turn_gradient(const Block& block, BlockRotation& rotation);
   static double rotate_block(const Block& block, BlockRotation& rotation, const double* positions);
   static double block_energy(const Block& block, const BlockRotation& rotation, const double* positions);
   void rebuild(const Model& model);

@@ -25,7 +25,7 @@ void Motion::follow(const Model& model) {
   dynamics_ = model.dynamics();
   masses_ = model.vertex_masses();
   fixed_ = model.fixed();
-  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &response_, &elastic_, &masked_, &answer_})
+  for (std::vector<Vec3>* v : {&b_, &r_, &z_, &p_, &q_, &inertia_, &response_, &elastic_, &masked_, &answer_})
     v->assign(masses_.size(), Vec3::Zero());
   tissue_ = nullptr;
   elastic_is_fresh_ = false;
@@ -102,6 +102,8 @@ void Motion::begin(const Corotational& tissue, const TissueState& state, const V
   add_springs(state);
   for (std::size_t v = 0; v < b_.size(); ++v)
     if (fixed_[v]) b_[v].setZero();
+  for (std::size_t v = 0; v < b_.size(); ++v)
+    inertia_[v] = fixed_[v] ? Vec3(Vec3::Zero()) : Vec3(h * state.velocities[v]);
 }
 
 void Motion::sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::vector<double>& sums) const {
@@ -149,16 +151,10 @@ void Motion::go_plain_where_lost() {
   for (std::size_t k = 0; k < part_count_; ++k) state_of_part_[k].descent = sums_[k];
 }
 
+// From d, whose residual is in r_.
 SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
-                                         const SolverOptions& options, bool from_zero, std::span<Vec3> d) {
+                                         const SolverOptions& options, std::span<Vec3> d) {
   SolverReport report;
-  if (from_zero) {
-    std::fill(d.begin(), d.end(), Vec3::Zero());
-    std::copy(b.begin(), b.end(), r_.begin());
-  } else {
-    multiply(d, q_);
-    for (std::size_t v = 0; v < r_.size(); ++v) r_[v] = b[v] - q_[v];
-  }
   state_of_part_.assign(part_count_, {});
   sum_by_part(b, b, sums_);
   for (std::size_t k = 0; k < part_count_; ++k)
@@ -202,15 +198,28 @@ SolverReport Motion::conjugate_gradients(std::span<const Vec3> b, const Precondi
   return report;
 }
 
+// From the motion that goes on, part by part as much of it as lowers ½ dᵀ Â d − bᵀ d most: never above rest.
 SolverReport Motion::solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d) {
-  return conjugate_gradients(b_, preconditioner, options, true, d);
+  std::copy(inertia_.begin(), inertia_.end(), d.begin());
+  multiply(d, q_);
+  std::vector<double>& gain = sums_;
+  sum_by_part(inertia_, b_, gain);
+  std::vector<double> cost;
+  sum_by_part(inertia_, q_, cost);
+  for (std::size_t k = 0; k < part_count_; ++k) gain[k] = gain[k] > 0 && cost[k] > 0 ? gain[k] / cost[k] : 0;
+  for (std::size_t v = 0; v < d.size(); ++v) {
+    const double share = gain[part_[v]];
+    d[v] *= share;
+    r_[v] = b_[v] - share * q_[v];
+  }
+  return conjugate_gradients(b_, preconditioner, options, d);
 }
 
-SolverReport Motion::add_response(std::span<const Vec3> f, std::span<const Vec3> guess,
-                                  const Preconditioner& preconditioner, const SolverOptions& options,
-                                  std::span<Vec3> d) {
-  std::copy(guess.begin(), guess.end(), response_.begin());
-  const SolverReport report = conjugate_gradients(f, preconditioner, options, false, response_);
+SolverReport Motion::add_response(std::span<const Vec3> f, const Preconditioner& preconditioner,
+                                  const SolverOptions& options, std::span<Vec3> d) {
+  std::fill(response_.begin(), response_.end(), Vec3::Zero());
+  std::copy(f.begin(), f.end(), r_.begin());
+  const SolverReport report = conjugate_gradients(f, preconditioner, options, response_);
   for (std::size_t v = 0; v < d.size(); ++v) d[v] += response_[v];
   return report;
 }

@@ -11,7 +11,7 @@
 namespace calot {
 
 struct SolverOptions {
-  double tolerance = 1e-5;  ///< of ‖b − Â d‖/‖b‖
+  double tolerance = 1e-3;  ///< of ‖b − Â d‖/‖b‖
   int iterations = 60;      ///< at most; a step that needs more says so and goes on with what it has
 };
 
@@ -40,12 +40,12 @@ class Motion {
   /// b = M v/h + f_elastic(x) + M g + f_external + springs.
   void begin(const Corotational& tissue, const TissueState& state, const Vec3& gravity, std::span<const Spring> springs,
              std::span<const Vec3> external);
-  /// The displacement d of the begun step, by conjugate gradients from rest: were the cap on iterations to bind, a
-  /// start from rest loses energy, never gains it.
+  /// The displacement d of the begun step, by conjugate gradients from as much of the last step's as is good for each
+  /// part; were the cap on iterations to bind, the step's energy would still be no higher than at rest.
   SolverReport solve_free(const Preconditioner& preconditioner, const SolverOptions& options, std::span<Vec3> d);
-  /// Adds Â⁻¹ f to d, by conjugate gradients from `guess`, its estimate.
-  SolverReport add_response(std::span<const Vec3> f, std::span<const Vec3> guess, const Preconditioner& preconditioner,
-                            const SolverOptions& options, std::span<Vec3> d);
+  /// Adds Â⁻¹ f to d, by conjugate gradients from rest; f is 0 on fixed vertices.
+  SolverReport add_response(std::span<const Vec3> f, const Preconditioner& preconditioner, const SolverOptions& options,
+                            std::span<Vec3> d);
   /// y = Â x; zero on fixed vertices.
   void multiply(std::span<const Vec3> x, std::span<Vec3> y) const;
 
@@ -70,7 +70,7 @@ class Motion {
   void go_plain_where_lost();
   void sum_by_part(std::span<const Vec3> a, std::span<const Vec3> b, std::vector<double>& sums) const;
   SolverReport conjugate_gradients(std::span<const Vec3> b, const Preconditioner& preconditioner,
-                                   const SolverOptions& options, bool from_zero, std::span<Vec3> d);
+                                   const SolverOptions& options, std::span<Vec3> d);
   void add_springs(const TissueState& state);
 
   Dynamics dynamics_;
@@ -82,7 +82,7 @@ class Motion {
   std::vector<Vec3> external_;
   std::vector<Vec3> elastic_;  // force at the positions where the last step ended
   bool elastic_is_fresh_ = false;
-  std::vector<Vec3> b_, r_, z_, p_, q_, response_, masked_, answer_;
+  std::vector<Vec3> b_, r_, z_, p_, q_, inertia_, response_, masked_, answer_;
   std::vector<std::uint32_t> group_, part_;  // n: joined by tets; and by springs too
   std::size_t group_count_ = 0, part_count_ = 0;
   struct PartState {

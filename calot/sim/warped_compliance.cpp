@@ -103,6 +103,8 @@ void WarpedCompliance::add_slots(const Remap& remap) {
 }
 
 void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const Remap& remap) {
+  mixes_parts_ =
+      mixes_parts_ || std::any_of(remap.tet_to_new.begin(), remap.tet_to_new.end(), [](TetId t) { return !t.valid(); });
   const std::vector<std::uint32_t> slots_before = slot_of_vertex_;
   const auto first_new = static_cast<std::uint32_t>(origin_.size());
   add_slots(remap);
@@ -143,6 +145,7 @@ void WarpedCompliance::follow(const std::vector<ElementChange>& changes, const R
 void WarpedCompliance::add_spring(const SpringEntry& spring, double sign) {
   const bool a = free(spring.a), b = spring.b != none && free(spring.b);
   const bool leaves = sign < 0;
+  mixes_parts_ = mixes_parts_ || (leaves && a && b);
   if (a) pending_.add(spring.a, spring.a, sign * spring.stiffness, leaves);
   if (b) pending_.add(spring.b, spring.b, sign * spring.stiffness, leaves);
   if (a && b) {
@@ -312,7 +315,7 @@ void WarpedCompliance::hold(Solver<Real>& solver, std::span<const Vec3> f) const
   blas::gemv('N', columns, columns, solver.correction.data(), columns, solver.at_touched.data(), solver.answer.data());
 }
 
-// C' f = C0 (f − K C0_T: f): two solves, of which the second goes forward along T's paths only.
+// C' f = C0 (f − K C0_T: f): a solve, and along T's paths another.
 template <class Real, class Factor>
 void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, std::span<const Vec3> f,
                                   std::span<Vec3> x) const {
@@ -327,7 +330,7 @@ void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, st
   detail::forward_vector(factor, solver.x.data(), solver.work);
   if (!touched_.empty()) {
     solver.held = solver.x;
-    detail::backward_vector(factor, solver.held.data(), solver.work);
+    detail::backward_vector(factor, touched_path_, solver.held.data(), solver.work);
     hold(solver, f);
     std::fill(solver.held.begin(), solver.held.end(), Real{0});
     for (std::size_t k = 0; k < touched_.size(); ++k)

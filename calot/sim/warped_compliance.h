@@ -116,6 +116,8 @@ class WarpedCompliance {
   /// W = J C' Jᵀ [m/N] of k contacts, 3k×3k, normal first.
   [[nodiscard]] Eigen::MatrixXd delassus(std::span<const ContactRows> contacts);
 
+  /// Parts that nothing joins any more share rounding: they hung together when the base was asked for.
+  [[nodiscard]] bool mixes_parts() const { return mixes_parts_; }
   [[nodiscard]] std::size_t touched() const { return touched_.size(); }
   /// Slots that the next `settle` takes in.
   [[nodiscard]] std::size_t pending() const { return pending_.slots.size(); }
@@ -175,7 +177,8 @@ class WarpedCompliance {
   std::vector<std::uint32_t> touched_;  // T, slots
   std::vector<std::int32_t> place_;     // of each slot in T, or −1
   Eigen::MatrixXd correction_;          // K, 3|T|×3|T|
-  bool precise_ = false;                // single precision would not do on this base any more
+  bool mixes_parts_ = false;
+  bool precise_ = false;  // single precision would not do on this base any more
   Solver<float> single_;
   Solver<double> double_;
   std::vector<std::uint32_t> touched_path_;  // supernodes that L⁻¹ P of T reaches

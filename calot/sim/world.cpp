@@ -239,7 +239,7 @@ void World::advance(std::span<const std::optional<InstrumentInput>> inputs) {
 
 Preconditioner World::preconditioner() {
   WarpedCompliance& present = compliance_.present();
-  return {[&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, present.touched() > 0};
+  return {[&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, present.mixes_parts()};
 }
 
 void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) {
@@ -259,7 +259,7 @@ void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) 
 // next factor. Blades touch what lies about their plane, between their edges.
 std::vector<VertexId> World::likely_vertices() const {
   constexpr double reach = 5e-3;
-  constexpr std::size_t most = 150;
+  constexpr std::size_t most = 64;
   std::vector<std::pair<double, VertexId>> near;
   for (const InstrumentArm& arm : arms_) {
     const InstrumentGeometry& g = arm.geometry();

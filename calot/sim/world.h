@@ -157,8 +157,8 @@ class World {
   [[nodiscard]] Preconditioner preconditioner();
   void find_contacts();
   void withdraw_blades();
-  void keep_parts_apart();
   void find_push();
+  void keep_parts_apart();
   void lose_parts();
   void solve_contacts(PhaseClock& clock);
   void integrate();

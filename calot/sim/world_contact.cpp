@@ -147,11 +147,7 @@ void World::solve_contacts(PhaseClock& clock) {
   }
   for (std::size_t v = 0; v < contact_forces_.size(); ++v)
     if (model_.is_fixed(VertexId(v))) contact_forces_[v].setZero();
-  guess_.resize(contact_forces_.size());
-  const Preconditioner answer = preconditioner();
-  answer.apply(contact_forces_, guess_);
-  keep_parts_apart();
-  report_.response = motion_.add_response(contact_forces_, guess_, answer, options_.solver, motion_of_step_);
+  report_.response = motion_.add_response(contact_forces_, preconditioner(), options_.solver, motion_of_step_);
   // What the contacts really came to: the compliance they were solved with is an approximation once tissue has turned.
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const double gap = std::max(contacts_[k].gap, -options_.recovery) +
@@ -160,6 +156,17 @@ void World::solve_contacts(PhaseClock& clock) {
   }
   find_push();
   clock.end(Phase::response);
+}
+
+// A part without contact forces gets no trace of the others' either.
+void World::keep_parts_apart() {
+  if (motion_.part_count() == 1) return;
+  std::vector<std::uint8_t> touched(motion_.part_count(), 0);
+  const std::span<const std::uint32_t> parts = motion_.parts();
+  for (std::size_t v = 0; v < contact_forces_.size(); ++v)
+    if (!contact_forces_[v].isZero(0)) touched[parts[v]] = 1;
+  for (std::size_t v = 0; v < guess_.size(); ++v)
+    if (!touched[parts[v]]) guess_[v].setZero();
 }
 
 // Overlaps are undone as a shift of place, which is no velocity: `push_` is what the motion would be without it less.
@@ -189,22 +196,12 @@ void World::find_push() {
         if (const VertexId v = rows_[k].vertices[i]; !model_.is_fixed(v))
           difference[v.index()] += rows_[k].weights[i] * force;
     }
+    guess_.resize(difference.size());
     preconditioner().apply(difference, guess_);
     keep_parts_apart();
     push_ = guess_;
   }
   problem_.free_motion = q;
-}
-
-// A part without contact forces gets no trace of the others' either.
-void World::keep_parts_apart() {
-  if (motion_.part_count() == 1) return;
-  std::vector<std::uint8_t> touched(motion_.part_count(), 0);
-  const std::span<const std::uint32_t> parts = motion_.parts();
-  for (std::size_t v = 0; v < contact_forces_.size(); ++v)
-    if (!contact_forces_[v].isZero(0)) touched[parts[v]] = 1;
-  for (std::size_t v = 0; v < guess_.size(); ++v)
-    if (!touched[parts[v]]) guess_[v].setZero();
 }
 
 // The contacts with this instrument alone; what the others do is part of the free motion.

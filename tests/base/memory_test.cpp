@@ -22,6 +22,26 @@ TEST(Memory, TooMuchIsRefusedWithBothNumbers) {
   EXPECT_NE(message.find("free"), std::string::npos) << message;
 }
 
+TEST(Memory, RecycledBuffersComeBack) {
+  const double* first = nullptr;
+  {
+    Buffer a = Buffer::recycled(100000);
+    EXPECT_EQ(a.size(), 100000u);
+    a.data()[0] = a.data()[99999] = 3;
+    first = a.data();
+  }
+  Buffer b = Buffer::recycled(90000);  // fits where the first was
+  EXPECT_EQ(b.data(), first);
+  EXPECT_EQ(b.size(), 90000u);
+  Buffer c = Buffer::recycled(90000);  // while b lives, another
+  EXPECT_NE(c.data(), b.data());
+  c.data()[89999] = 1;
+  EXPECT_EQ(Buffer::recycled(0).size(), 0u);
+  Buffer large = Buffer::recycled(std::size_t{1} << 23);  // not kept: from the system, and zero
+  EXPECT_EQ(large.data()[(std::size_t{1} << 23) - 1], 0);
+  EXPECT_THROW(Buffer::recycled(std::size_t{1} << 58), FailedError);
+}
+
 TEST(Memory, BuffersMoveAndStartAtZero) {
   Buffer a(1000);
   EXPECT_EQ(a.data()[999], 0);
