@@ -27,7 +27,7 @@ bool keeps_pattern(const Remap& remap) {
 }  // namespace
 
 int latency_of(const FactorPattern& pattern, std::size_t ready, double time_step) {
-  const double seconds = 5e-3 + pattern.flops / 10e9 + 3 * static_cast<double>(ready) * pattern.nonzeros / 6e9;
+  const double seconds = 4e-3 + pattern.flops / 12e9 + 3 * static_cast<double>(ready) * pattern.nonzeros / 6e9;
   return static_cast<int>(std::clamp(std::ceil(1.25 * seconds / time_step), 2.0, 60.0));
 }
 
@@ -40,7 +40,7 @@ ComplianceRefresh::ComplianceRefresh(const Model& model, const Corotational& tis
   const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
   present_ = std::make_unique<WarpedCompliance>(request);
   present_->set_base(make_base(request));
-  pattern_ = present_->base().pattern;
+  pattern_ = present_->base().shared;
 }
 
 ComplianceRefresh::~ComplianceRefresh() {
@@ -60,7 +60,7 @@ double ComplianceRefresh::adopt(std::uint64_t step) {
     return 0;
   }
   const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  pattern_ = base->pattern;
+  pattern_ = base->shared;
   pattern_fits_ = next_pattern_fits_;
   pairs_ = std::move(next_pairs_);
   next_->set_base(std::move(base));
@@ -76,7 +76,7 @@ void ComplianceRefresh::rebuild(const Model& model, const Corotational& tissue, 
   const BaseRequest request{model, tissue.rotations(), {springs.begin(), springs.end()}, {}, nullptr};
   present_ = std::make_unique<WarpedCompliance>(request);
   present_->set_base(make_base(request));
-  pattern_ = present_->base().pattern;
+  pattern_ = present_->base().shared;
   pairs_ = pairs_of(springs);
   pattern_fits_ = true;
 }
@@ -96,8 +96,9 @@ void ComplianceRefresh::start(std::uint64_t step, const Model& model, const Coro
       model, tissue.rotations(), {springs.begin(), springs.end()}, std::move(likely), fits ? pattern_ : nullptr};
   next_ = std::make_unique<WarpedCompliance>(request);
   next_pattern_fits_ = true;
-  const int latency = options_.latency > 0 ? options_.latency
-                                           : latency_of(*pattern_, request.likely.size(), model.dynamics().time_step);
+  const int latency = options_.latency > 0
+                          ? options_.latency
+                          : latency_of(*pattern_->factor, request.likely.size(), model.dynamics().time_step);
   adopt_at_ = step + static_cast<std::uint64_t>(latency);
   start_at_ = step + static_cast<std::uint64_t>(options_.interval);
   work_ = std::async(std::launch::async, [request = std::move(request)] {

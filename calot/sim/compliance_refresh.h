@@ -56,7 +56,7 @@ class ComplianceRefresh {
   std::vector<std::future<std::unique_ptr<WarpedBase>>> abandoned_;
   std::uint64_t adopt_at_ = 0, start_at_ = 0;
   std::size_t failures_ = 0;
-  std::shared_ptr<const FactorPattern> pattern_;  // of the mesh as it is and the spring pairs below; or null
+  std::shared_ptr<const BasePattern> pattern_;  // of the mesh as it is and the spring pairs below; or null
   Pairs pairs_, next_pairs_;
   bool pattern_fits_ = true, next_pattern_fits_ = true;  // no vertex or edge came, none went, since it was made
 };

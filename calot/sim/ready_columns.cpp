@@ -84,13 +84,19 @@ void ReadyColumns::extend_compliance(const Chunk& fresh) {
   gram_.block(before, before, width, width) = product(fresh);
 }
 
-Eigen::MatrixXf ReadyColumns::against(const Eigen::MatrixXf& packed) const {
-  Eigen::MatrixXf result(count_, packed.cols());
-  for (const Chunk& chunk : chunks_)
-    blas::gemm('T', 'N', size(chunk.single.cols()), size(packed.cols()), size(chunk.single.rows()), 1.0f,
-               chunk.single.data(), size(chunk.single.rows()), packed.data(), size(packed.rows()), 0.0f,
-               result.data() + chunk.first, size(count_));
+template <class Matrix>
+Matrix ReadyColumns::against(const Matrix& packed) const {
+  using Real = typename Matrix::Scalar;
+  Matrix result(count_, packed.cols());
+  for (const Chunk& chunk : chunks_) {
+    const Matrix& columns = chunk.in(Real{});
+    blas::gemm('T', 'N', size(columns.cols()), size(packed.cols()), size(columns.rows()), Real{1}, columns.data(),
+               size(columns.rows()), packed.data(), size(packed.rows()), Real{0}, result.data() + chunk.first,
+               size(count_));
+  }
   return result;
 }
+template Eigen::MatrixXf ReadyColumns::against(const Eigen::MatrixXf&) const;
+template Eigen::MatrixXd ReadyColumns::against(const Eigen::MatrixXd&) const;
 
 }  // namespace calot

@@ -33,33 +33,81 @@ BlockMatrix pattern_of(const TetMesh& mesh, const VertexTets& around, std::span<
   return matrix;
 }
 
-// Â with every tet turned by its rotation: R K_ab Rᵀ is the block of the tet with turned gradients.
-void add_tets(BlockMatrix& matrix, const BaseRequest& request, const VertexTets& around) {
+constexpr std::array<std::array<std::uint8_t, 2>, 10> corner_pairs = {
+    {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+constexpr std::uint32_t nowhere = ~0u;
+
+// Where the blocks of each tet go that the factor reads: those whose row comes first in its order. Twice the number of
+// the block, and one more where the pair's second corner is the row.
+std::vector<std::array<std::uint32_t, 10>> places_of(const BlockMatrix& matrix, const std::vector<Tet>& tets,
+                                                     std::span<const std::int32_t> order) {
+  std::vector<std::array<std::uint32_t, 10>> places(tets.size());
+  parallel_blocks(tets.size(), 512, [&](std::size_t begin, std::size_t end, std::size_t) {
+    for (std::size_t t = begin; t < end; ++t)
+      for (std::size_t k = 0; k < corner_pairs.size(); ++k) {
+        const std::size_t a = tets[t][corner_pairs[k][0]].index(), b = tets[t][corner_pairs[k][1]].index();
+        const bool swapped = order[b] < order[a];
+        places[t][k] = order[a] < 0 || order[b] < 0
+                           ? nowhere
+                           : static_cast<std::uint32_t>(
+                                 2 * (matrix.find(swapped ? b : a, swapped ? a : b) - matrix.block.data())) +
+                                 (swapped ? 1 : 0);
+      }
+  });
+  return places;
+}
+
+// Every block of every tet, turned by its rotation: R K_ab Rᵀ is the block of the tet with turned gradients.
+template <class Add>
+void each_block(const BaseRequest& request, const Add& add) {
   const Model& model = request.model;
   const TetMesh& mesh = model.mesh();
-  std::vector<TetShape> shapes(mesh.tet_count());
-  std::vector<Lame> lames(mesh.tet_count());
-  for (std::size_t t = 0; t < shapes.size(); ++t) {
+  const double stiffness = model.dynamics().stiffness_factor();
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
     const Tet& tet = mesh.tets[t];
-    shapes[t] = tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
+    const TetShape shape =
+        tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
     const Mat3 r = request.rotations[t].toRotationMatrix();
-    for (Vec3& g : shapes[t].gradient) g = r * g;
-    lames[t] = model.lame_of(TetId(t));
+    std::array<Vec3, 4> g;
+    for (std::size_t a = 0; a < 4; ++a) g[a] = r * shape.gradient[a];
+    const Lame lame = model.lame_of(TetId(t));
+    const double lambda = stiffness * shape.volume * lame.lambda, mu = stiffness * shape.volume * lame.mu;
+    for (std::size_t k = 0; k < corner_pairs.size(); ++k)
+      add(t, k, [&](std::size_t row, std::size_t column) {
+        Mat3 block;
+        for (int j = 0; j < 3; ++j)
+          for (int i = 0; i < 3; ++i) block(i, j) = lambda * g[row](i) * g[column](j) + mu * g[column](i) * g[row](j);
+        block.diagonal().array() += mu * g[row].dot(g[column]);
+        return block;
+      });
   }
-  const double stiffness = model.dynamics().stiffness_factor(), inertia = model.dynamics().mass_factor();
+}
+
+void add_masses(BlockMatrix& matrix, const Model& model) {
   const std::vector<double> masses = model.vertex_masses();
-  parallel_blocks(mesh.vertex_count(), 64, [&](std::size_t begin, std::size_t end, std::size_t) {
-    for (std::size_t u = begin; u < end; ++u) {
-      for (std::uint32_t k = around.start[u]; k < around.start[u + 1]; ++k) {
-        const std::size_t t = around.tets[k].index();
-        const Tet& tet = mesh.tets[t];
-        const auto a = static_cast<int>(std::find(tet.begin(), tet.end(), VertexId(u)) - tet.begin());
-        for (int b = 0; b < 4; ++b)
-          *matrix.find(u, tet[static_cast<std::size_t>(b)].index()) +=
-              stiffness * stiffness_block(shapes[t], lames[t], a, b);
-      }
-      matrix.find(u, u)->diagonal().array() += inertia * masses[u];
-    }
+  for (std::size_t v = 0; v < masses.size(); ++v)
+    matrix.find(v, v)->diagonal().array() += model.dynamics().mass_factor() * masses[v];
+}
+
+// Both triangles, for the analysis, which gives no room to blocks that are zero.
+void add_tets(BlockMatrix& matrix, const BaseRequest& request) {
+  const TetMesh& mesh = request.model.mesh();
+  each_block(request, [&](std::size_t t, std::size_t k, const auto& block) {
+    const auto [a, b] = corner_pairs[k];
+    const Mat3 value = block(a, b);
+    const std::size_t u = mesh.tets[t][a].index(), v = mesh.tets[t][b].index();
+    *matrix.find(u, v) += value;
+    if (u != v) *matrix.find(v, u) += value.transpose();
+  });
+}
+
+// The blocks that the factor reads, where the pattern knows their places.
+void add_tets(BlockMatrix& matrix, const BaseRequest& request, const BasePattern& pattern) {
+  each_block(request, [&](std::size_t t, std::size_t k, const auto& block) {
+    const std::uint32_t place = pattern.places[t][k];
+    if (place == nowhere) return;
+    const auto [a, b] = corner_pairs[k];
+    matrix.block[place / 2] += place % 2 ? block(b, a) : block(a, b);
   });
 }
 
@@ -78,22 +126,55 @@ void add_springs(BlockMatrix& matrix, const BaseRequest& request) {
 
 }  // namespace
 
-std::unique_ptr<WarpedBase> make_base(const BaseRequest& request) {
-  const Model& model = request.model;
-  const VertexTets around = vertex_tets(model.mesh());
-  BlockMatrix matrix = pattern_of(model.mesh(), around, request.springs);
-  add_tets(matrix, request, around);
-  add_springs(matrix, request);
-  auto base = std::make_unique<WarpedBase>();
-  std::vector<std::uint8_t> active(model.fixed().size());
-  std::transform(model.fixed().begin(), model.fixed().end(), active.begin(), [](std::uint8_t f) { return f == 0; });
-  base->pattern = request.pattern ? request.pattern : std::make_shared<const FactorPattern>(analyse(matrix, active));
-  base->factor = SparseFactor(base->pattern, matrix, active);
-  base->single = FloatFactor(base->factor);
-  base->row_of_slot.assign(active.size(), -1);
+namespace {
+
+std::vector<std::int32_t> rows_of_slots(const FactorPattern& pattern, std::span<const std::uint8_t> active) {
+  std::vector<std::int32_t> rows(active.size(), -1);
   std::uint32_t number = 0;
   for (std::size_t v = 0; v < active.size(); ++v)
-    if (active[v]) base->row_of_slot[v] = static_cast<std::int32_t>(3 * base->pattern->position[number++]);
+    if (active[v]) rows[v] = static_cast<std::int32_t>(3 * pattern.position[number++]);
+  return rows;
+}
+
+BlockMatrix zero_like(const BlockMatrix& structure) {
+  return {structure.row_start, structure.column, std::vector<Mat3>(structure.column.size(), Mat3::Zero())};
+}
+
+}  // namespace
+
+std::unique_ptr<WarpedBase> make_base(const BaseRequest& request) {
+  const Model& model = request.model;
+  std::vector<std::uint8_t> active(model.fixed().size());
+  std::transform(model.fixed().begin(), model.fixed().end(), active.begin(), [](std::uint8_t f) { return f == 0; });
+  auto base = std::make_unique<WarpedBase>();
+  BlockMatrix matrix;
+  std::shared_ptr<const BasePattern> shared = request.pattern;
+  if (!shared) {
+    matrix = pattern_of(model.mesh(), vertex_tets(model.mesh()), request.springs);
+    add_tets(matrix, request);
+    add_masses(matrix, model);
+    add_springs(matrix, request);
+    const auto fresh = std::make_shared<BasePattern>();
+    fresh->factor = std::make_shared<const FactorPattern>(analyse(matrix, active));
+    fresh->structure = {matrix.row_start, matrix.column, {}};
+    shared = fresh;
+  } else {
+    matrix = zero_like(shared->structure);
+    if (shared->tets != model.mesh().tets) {  // the first that shares the pattern, or tets went
+      const auto fresh = std::make_shared<BasePattern>(*shared);
+      fresh->tets = model.mesh().tets;
+      fresh->places = places_of(matrix, fresh->tets, rows_of_slots(*shared->factor, active));
+      shared = fresh;
+    }
+    add_tets(matrix, request, *shared);
+    add_masses(matrix, model);
+    add_springs(matrix, request);
+  }
+  base->shared = shared;
+  base->pattern = shared->factor;
+  base->factor = SparseFactor(base->pattern, matrix, active);
+  base->single = FloatFactor(base->factor);
+  base->row_of_slot = rows_of_slots(*base->pattern, active);
   std::vector<std::uint32_t> likely;
   for (const VertexId v : request.likely)
     if (base->row_of_slot[v.index()] >= 0) likely.push_back(static_cast<std::uint32_t>(base->row_of_slot[v.index()]));

@@ -22,13 +22,21 @@ struct ElementChange {
   bool enters = false;
 };
 
+/// What bases of the same vertices and edges share.
+struct BasePattern {
+  std::shared_ptr<const FactorPattern> factor;
+  BlockMatrix structure;  ///< of Â: rows and columns, no blocks
+  std::vector<Tet> tets;  ///< that `places` is for
+  std::vector<std::array<std::uint32_t, 10>> places;
+};
+
 /// What a base is made from: a copy, so that the work can go on aside.
 struct BaseRequest {
   Model model;
   std::vector<Eigen::Quaterniond> rotations;  ///< m, of the tets
   std::vector<Spring> springs;
-  std::vector<VertexId> likely;                  ///< vertices near a blade: their columns are made ready
-  std::shared_ptr<const FactorPattern> pattern;  ///< of the same vertices and at least the same edges; may be null
+  std::vector<VertexId> likely;                ///< vertices near a blade: their columns are made ready
+  std::shared_ptr<const BasePattern> pattern;  ///< of the same vertices and at least the same edges; may be null
 };
 
 /// Columns of L⁻¹ P for vertices that edits touch, packed to the rows where they are not zero, and C0 between them.
@@ -46,13 +54,16 @@ class ReadyColumns {
   [[nodiscard]] const std::vector<std::uint32_t>& rows() const { return rows_; }
   /// C0 between the ready columns and others: `packed` holds L⁻¹ P of those at `rows()`, |rows()|×k.
   /// @return a row for each ready column
-  [[nodiscard]] Eigen::MatrixXf against(const Eigen::MatrixXf& packed) const;
+  template <class Matrix>
+  [[nodiscard]] Matrix against(const Matrix& packed) const;
 
  private:
   struct Chunk {
     Eigen::Index first;       // its first column among all
     Eigen::MatrixXd columns;  // on the rows there were when it was made
     Eigen::MatrixXf single;   // the same
+    [[nodiscard]] const Eigen::MatrixXd& in(double) const { return columns; }
+    [[nodiscard]] const Eigen::MatrixXf& in(float) const { return single; }
   };
   Eigen::MatrixXd solve(const SparseFactor& factor, std::span<const std::uint32_t> fresh,
                         std::span<const std::uint32_t> path);
@@ -69,6 +80,7 @@ class ReadyColumns {
 
 /// The factored Â of one moment.
 struct WarpedBase {
+  std::shared_ptr<const BasePattern> shared;
   std::shared_ptr<const FactorPattern> pattern;
   SparseFactor factor;
   FloatFactor single;
@@ -159,8 +171,21 @@ class WarpedCompliance {
   void hold(Solver<Real>& solver, std::span<const Vec3> f) const;
   template <class Real, class Factor>
   void apply_with(Solver<Real>& solver, const Factor& factor, std::span<const Vec3> f, std::span<Vec3> x) const;
-  void spread_contacts(std::span<const ContactRows> contacts);
-  [[nodiscard]] Eigen::MatrixXd touched_by(std::span<const ContactRows> contacts) const;
+  template <class Real>
+  struct Spread {
+    std::vector<Real> columns;  // L⁻¹ P Jᵀ of `delassus`, a column after another
+    std::vector<std::vector<Real>> work;
+  };
+  template <class Visit>
+  void each_base_vertex(const ContactRows& contact, const Visit& visit) const;
+  [[nodiscard]] std::vector<std::uint32_t> path_of(std::span<const ContactRows> contacts) const;
+  template <class Real, class Factor>
+  void spread_contacts(Spread<Real>& spread, const Factor& factor, std::span<const ContactRows> contacts);
+  template <class Real>
+  [[nodiscard]] Eigen::MatrixXd touched_by(const Spread<Real>& spread, std::span<const ContactRows> contacts) const;
+  template <class Real, class Factor>
+  [[nodiscard]] Eigen::MatrixXd delassus_with(Spread<Real>& spread, const Factor& factor,
+                                              std::span<const ContactRows> contacts);
   void add_later_slots(std::span<const ContactRows> contacts, Eigen::MatrixXd& w) const;
 
   double own_stiffness_ = 1;   // σ of slots that came later, or died
@@ -183,10 +208,10 @@ class WarpedCompliance {
   Solver<double> double_;
   std::vector<std::uint32_t> touched_path_;  // supernodes that L⁻¹ P of T reaches
 
-  std::vector<Mat3> turn_;           // n, base frame → now
-  std::vector<float> spread_;        // L⁻¹ P Jᵀ of `delassus`, a column after another
-  std::vector<std::uint32_t> path_;  // supernodes where it isn't zero
-  std::vector<std::vector<float>> group_work_;
+  std::vector<Mat3> turn_;  // n, base frame → now
+  Spread<float> spread_single_;
+  Spread<double> spread_double_;
+  std::vector<std::uint32_t> path_;            // supernodes where L⁻¹ P Jᵀ isn't zero
   std::vector<std::uint32_t> vertex_of_slot_;  // slots, or none where dead
 };
 
