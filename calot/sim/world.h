@@ -29,10 +29,12 @@ struct WorldOptions {
   FrictionOptions friction;
   ContactOptions contact;
   RefreshOptions refresh;
-  double recovery = 0.5e-3;        ///< overlap that a step undoes at most [m]
-  double fall = 1;                 ///< tissue this far below all there was at the start is lost, and stopped [m]
-  double runaway_speed = 20;       ///< tissue that moves faster has run away: the step is taken back [m/s]
-  std::set<std::int32_t> carried;  ///< regions whose weight their surroundings carry: gravity doesn't move them
+  double recovery = 0.5e-3;   ///< overlap that a step undoes at most [m]
+  double fall = 1;            ///< tissue this far below all there was at the start is lost, and stopped [m]
+  double runaway_speed = 20;  ///< tissue that moves faster has run away: the step is taken back [m/s]
+  /// Regions in balance as they lie at the start: what surrounds them carries their weight, which gravity doesn't move
+  /// as long as their part is held by a fixed vertex or a ligament to a place. Cut off from all that, it falls.
+  std::set<std::int32_t> carried;
 };
 
 struct WorldSetup {
@@ -157,6 +159,7 @@ class World {
   [[nodiscard]] Preconditioner preconditioner();
   void find_contacts();
   void withdraw_blades();
+  [[nodiscard]] bool is_clear(const RigidShape& shape, const Pose& pose) const;
   void find_push();
   void keep_parts_apart();
   void lose_parts();
@@ -176,6 +179,7 @@ class World {
   [[nodiscard]] TissueSurface tissue_surface() const;
   void renew_triangles();
   void weigh_carried();
+  void find_carried(std::span<const Spring> springs);
 
   // Constant.
   std::map<std::int32_t, TissueProperties> properties_;
@@ -189,7 +193,9 @@ class World {
   Corotational tissue_;
   Motion motion_;
   VertexTets around_;
-  std::vector<double> carried_masses_;  // n, of the carried regions; empty without any [kg]
+  std::vector<double> carried_masses_;     // n, of the carried regions; empty without any [kg]
+  std::vector<std::uint32_t> tet_groups_;  // n, vertices joined by tets; empty without carried regions
+  std::vector<std::uint8_t> held_groups_;  // of these, whether anything but a jaw holds them, as of the last step
   ContactSurface surface_;
   std::vector<std::array<VertexId, 3>> triangles_;
   std::vector<InstrumentArm> arms_;

@@ -45,18 +45,32 @@ Mat3 cross_matrix(const Vec3& r) {
 
 }  // namespace
 
-// Blades that cut leave no room for themselves; they touch again once they are out of the tissue.
+// Blades that cut leave no room for themselves; they touch again once all of them is out of the tissue: sooner, it
+// would be torn off the backs of blades that are opened in the wound.
 void World::withdraw_blades() {
   for (InstrumentArm& arm : arms_) {
     if (!arm.in_cut || arm.closing()) continue;
     surface_.refit(state_.positions, {}, options_.contact.margin);
     const ArticulatedPoses parts = articulate(arm.geometry(), arm.opening_from());
-    bool inside = false;
-    for (const Pose& jaw : {parts.jaw_a, parts.jaw_b})
-      for (int k = 0; k <= 8 && !inside; ++k)
-        inside = surface_.nearest(arm.from() * (jaw * Vec3(0, 0, arm.geometry().jaw_length * k / 8))).distance < 2e-4;
-    arm.in_cut = inside;
+    arm.in_cut = !is_clear(arm.geometry().jaw_a, arm.from() * parts.jaw_a) ||
+                 !is_clear(arm.geometry().jaw_b, arm.from() * parts.jaw_b);
   }
+}
+
+// Points two millimetres apart on every piece, each at least the piece's radius outside. After a refit.
+bool World::is_clear(const RigidShape& shape, const Pose& pose) const {
+  constexpr double spacing = 2e-3;
+  for (const RoundedPiece& piece : shape.pieces) {
+    std::array<Vec3, 3> x;
+    for (std::size_t c = 0; c < 3; ++c) x[c] = pose * piece.corners[std::min<std::size_t>(c, piece.corner_count - 1)];
+    const double size = std::max((x[1] - x[0]).norm(), (x[2] - x[0]).norm());
+    const int count = 1 + static_cast<int>(size / spacing);
+    for (int i = 0; i <= count; ++i)
+      for (int j = 0; i + j <= count; ++j)
+        if (surface_.nearest(x[0] + (i * (x[1] - x[0]) + j * (x[2] - x[0])) / count).distance < piece.radius)
+          return false;
+  }
+  return true;
 }
 
 void World::find_contacts() {
