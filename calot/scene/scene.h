@@ -42,6 +42,7 @@ struct TubeShape {
 struct RegionSettings {
   std::string region = "*";
   std::optional<BodyKind> body;
+  std::optional<bool> carried;            ///< see WorldOptions::carried; by default a patient's regions are
   std::map<std::string, double> figures;  ///< by key of the file, e.g. "young"; SI
   std::string where;
 };

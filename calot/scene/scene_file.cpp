@@ -183,7 +183,7 @@ class SceneReader {
   }
 
   void read_region(const toml::value& table) {
-    std::vector<std::string> known{"region", "body"};
+    std::vector<std::string> known{"region", "body", "carried"};
     for (const detail::RegionFigure& figure : detail::region_figures()) known.emplace_back(figure.key);
     toml_.allow_only(table, known);
     RegionSettings settings;
@@ -193,6 +193,11 @@ class SceneReader {
       std::size_t body = 0;
       values_.word(table, "body", bodies, body);
       settings.body = static_cast<BodyKind>(body);
+    }
+    if (TomlFile::find(table, "carried") != nullptr) {
+      bool carried = false;
+      values_.yes_or_no(table, "carried", carried);
+      settings.carried = carried;
     }
     for (const detail::RegionFigure& figure : detail::region_figures()) {
       const toml::value* value = TomlFile::find(table, figure.key);

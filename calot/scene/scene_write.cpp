@@ -75,6 +75,7 @@ void write_regions(std::ostream& out, const Scene& s) {
   for (const RegionSettings& region : s.regions) {
     out << "\n[[region]]\nregion = " << toml_text(region.region) << '\n';
     if (region.body) out << "body = \"" << bodies[static_cast<std::size_t>(*region.body)] << "\"\n";
+    if (region.carried) out << "carried = " << word(*region.carried) << '\n';
     for (const auto& [key, value] : region.figures) out << key << " = " << toml_real(value) << '\n';
   }
   for (const SceneSurface& still : s.surfaces) {

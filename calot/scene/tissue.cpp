@@ -122,6 +122,22 @@ void apply_regions(const Scene& scene, Parts& parts, std::map<std::int32_t, Tiss
       for (const VertexId v : parts.mesh.tets[t]) parts.fixed[v.index()] = 1;
 }
 
+/// A CT shows tissue as it lies under its weight: a patient's is in balance there unless the scene says otherwise.
+std::set<std::int32_t> carried_regions(const Scene& scene, const SceneTissue& tissue) {
+  std::set<std::int32_t> carried;
+  if (tissue.patient)
+    for (const auto& [region, kind] : tissue.bodies) carried.insert(region);
+  for (const RegionSettings& settings : scene.regions) {
+    if (!settings.carried) continue;
+    for (const std::int32_t region : regions_matching(tissue.model.mesh(), settings.region, settings.where))
+      if (*settings.carried)
+        carried.insert(region);
+      else
+        carried.erase(region);
+  }
+  return carried;
+}
+
 }  // namespace
 
 SceneTissue load_tissue(const Scene& scene) {
@@ -142,9 +158,7 @@ SceneTissue load_tissue(const Scene& scene) {
     (void)model.scale_stiffness(all, parts.stiffness_scale);
   }
   SceneTissue tissue{std::move(model), std::move(properties), std::move(bodies), {}, {}, std::move(parts.patient)};
-  if (tissue.patient)
-    for (const auto& [region, kind] : tissue.bodies)
-      if (region == label_of(Structure::liver) && kind != BodyKind::still) tissue.carried.insert(region);
+  tissue.carried = carried_regions(scene, tissue);
   tissue.ligaments = detail::hang(tissue.model, parts.hung, tissue.carried, scene.gravity);
   return tissue;
 }

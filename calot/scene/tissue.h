@@ -17,7 +17,7 @@ struct SceneTissue {
   std::map<std::int32_t, TissueProperties> properties;  ///< of every region; density is the material's
   std::map<std::int32_t, BodyKind> bodies;              ///< of every region
   std::vector<Spring> ligaments;                        ///< on which regions hang
-  std::set<std::int32_t> carried;                       ///< regions whose weight their surroundings carry
+  std::set<std::int32_t> carried;                       ///< see WorldOptions::carried
   std::optional<Patient> patient;                       ///< where there is one; its mesh has moved into `model`
 };
 

@@ -9,6 +9,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
+#include "calot/mesh/parts.h"
 #include "calot/sim/instrument_state.h"
 #include "calot/sim/world_clock.h"
 
@@ -172,6 +173,32 @@ void World::weigh_carried() {
     const double mass = model_.material(TetId(t)).density * signed_volume(mesh, TetId(t));
     for (const VertexId v : mesh.tets[t]) carried_masses_[v.index()] += mass / 4;
   }
+  tet_groups_ = vertex_connected_groups(mesh);
+  find_carried(ligaments_);
+}
+
+// Which groups are held: by a fixed vertex or a ligament to a place, or through springs between tissue by another that
+// is. Jaws carry what they hold with its weight.
+void World::find_carried(std::span<const Spring> springs) {
+  if (tet_groups_.empty()) return;
+  std::vector<std::uint32_t> root(1 + *std::max_element(tet_groups_.begin(), tet_groups_.end()));
+  std::iota(root.begin(), root.end(), 0u);
+  const auto find = [&](VertexId v) {
+    std::uint32_t g = tet_groups_[v.index()];
+    while (root[g] != g) g = root[g] = root[root[g]];
+    return g;
+  };
+  for (const Spring& spring : springs) {
+    if (!spring.other.valid()) continue;
+    const std::uint32_t a = find(spring.vertex), b = find(spring.other);
+    root[std::max(a, b)] = std::min(a, b);
+  }
+  held_groups_.assign(root.size(), 0);
+  for (std::size_t v = 0; v < tet_groups_.size(); ++v)
+    if (model_.is_fixed(VertexId(v))) held_groups_[find(VertexId(v))] = 1;
+  for (const Spring& ligament : ligaments_)
+    if (!ligament.other.valid()) held_groups_[find(ligament.vertex)] = 1;
+  for (std::uint32_t g = 0; g < root.size(); ++g) held_groups_[g] = held_groups_[root[g]];  // roots come first
 }
 
 void World::renew_triangles() {
@@ -301,13 +328,15 @@ void World::gather_springs() {
   for (const InstrumentArm& arm : arms_)
     if (arm.grasp) arm.grasp->springs(springs_);
   loads_.assign(state_.positions.size(), Vec3::Zero());
-  for (std::size_t v = 0; v < carried_masses_.size(); ++v) loads_[v] = -carried_masses_[v] * options_.gravity;
   for (std::size_t v = 0; v < lost_.size(); ++v)
     if (lost_[v]) loads_[v] = -motion_.masses()[v] * options_.gravity;
   for (Clip& clip : clips_) {
     clip.springs(h, springs_);
     clip.loads(loads_);
   }
+  find_carried(springs_);
+  for (std::size_t v = 0; v < carried_masses_.size(); ++v)
+    if (held_groups_[tet_groups_[v]]) loads_[v] -= carried_masses_[v] * options_.gravity;
 }
 
 void World::renew_compliance(PhaseClock& clock) {
@@ -401,7 +430,7 @@ double World::energy() const {
   for (std::size_t v = 0; v < state_.positions.size(); ++v)
     sum += motion_.masses()[v] * (0.5 * state_.velocities[v].squaredNorm() - options_.gravity.dot(state_.positions[v]));
   for (std::size_t v = 0; v < carried_masses_.size(); ++v)
-    sum += carried_masses_[v] * options_.gravity.dot(state_.positions[v]);
+    if (held_groups_[tet_groups_[v]]) sum += carried_masses_[v] * options_.gravity.dot(state_.positions[v]);
   return sum;
 }
 

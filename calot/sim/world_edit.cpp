@@ -127,13 +127,13 @@ const StiffnessChange* World::apply(const TopologyEdit& edit, EventKind cause, c
   compliance_.follow(elements, remap);
   surface_.follow(model_.mesh(), remap);
   renew_triangles();
-  weigh_carried();
   for (InstrumentArm& arm : arms_) {
     if (arm.grasp) arm.grasp->follow(remap, positions_before, state_.positions);
     arm.stroke = calot::follow(arm.stroke, remap);
   }
   for (Clip& clip : clips_) clip.follow(remap, positions_before, state_.positions);
   ligaments_ = followed(ligaments_, remap);
+  weigh_carried();
   heat_.follow(remap, model_.mesh(), around_);
   injury_.follow(remap);
   fluids_.follow(remap, model_.mesh(), around_);

@@ -58,6 +58,7 @@ friction = 0.2
 [[region]]
 region = "liver"
 body = "rigid"
+carried = true
 young = 4000
 outer_radius = 1.5
 [[floor]]
@@ -135,7 +136,9 @@ TEST(SceneFile, ShapesAndRegions) {
   ASSERT_EQ(s.regions.size(), 2u);
   EXPECT_EQ(s.regions[0].figures.at("friction"), 0.2);
   EXPECT_FALSE(s.regions[0].body);
+  EXPECT_FALSE(s.regions[0].carried);
   EXPECT_EQ(s.regions[1].body, BodyKind::rigid);
+  EXPECT_EQ(s.regions[1].carried, true);
   EXPECT_EQ(s.regions[1].figures.at("young"), 4000);
   EXPECT_NEAR(s.regions[1].figures.at("outer_radius"), 0.0015, 1e-17);
 }
