@@ -177,7 +177,7 @@ std::vector<Row> bench_cut(const BenchOptions& options) {
   if (!options.model.empty()) return rows;
   const Organ small = make_organ_of_tets(options, 10000, 1.0 / 60);
   if (options.progress) options.progress->phase("cutting while simulating");
-  const std::vector<Row> simulated = cut_rows(small, {0.4, 0.5, 0.6});
+  const std::vector<Row> simulated = cut_rows(small, {0.3, 0.4, 0.5});
   rows.insert(rows.end(), simulated.begin(), simulated.end());
   return rows;
 }

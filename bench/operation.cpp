@@ -325,7 +325,8 @@ InstrumentInput Operation::scissors_input() {
   InstrumentInput input = world_->instruments()[scissors].setup().start;
   if (!cutting_) return input;
   const auto k = static_cast<double>(step_ - cut_begin_);
-  if (step_ - cut_begin_ <= approach) cut_pose_ = around_duct();
+  // The duct gives way as long as it is whole.
+  if (step_ - cut_begin_ <= approach + 12 && !world_->instruments()[scissors].in_cut) cut_pose_ = around_duct();
   const Pose far = input.pose;
   const double near = ramp(0, approach, k);
   input.pose = {far.rotation.slerp(near, cut_pose_.rotation),

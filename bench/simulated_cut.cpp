@@ -70,8 +70,11 @@ Transection transect(const Organ& organ, double share) {
     result.run.reports.insert(result.run.reports.end(), more.reports.begin(), more.reports.end());
   };
   append(run_paced(operation, before, look));
-  operation.begin_cut(share);
-  append(run_paced(operation, Operation::approach + Operation::closing + after, look));
+  constexpr int most_strokes = 3;  // what slipped past the blades is cut by the next
+  for (int stroke = 0; stroke < most_strokes && !severed(operation); ++stroke) {
+    operation.begin_cut(share);
+    append(run_paced(operation, Operation::approach + Operation::closing + after, look));
+  }
   bool begun = false;
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     begun = begun || cuts[k];

@@ -118,11 +118,11 @@ class Meeting {
   Vec3 between_;
 };
 
-/// How two triangles lie to each other in the rest shape, where they are close.
+/// How two triangles lie to each other in the rest shape.
 enum class AtRest : std::uint8_t {
-  apart,         // or facing each other
+  apart,
+  close,         // as cut faces are, or organs that lie against each other
   back_to_back,  // two sides of one wall
-  round_a_bend,  // with the same tissue behind both, as on either side of an edge
 };
 AtRest at_rest(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) {
   const ContactSurface::RestFace &a = surface.rest_faces()[i], &b = surface.rest_faces()[j];
@@ -131,13 +131,24 @@ AtRest at_rest(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) 
   if (distance > rest_reach) return AtRest::apart;
   if (a.normal.dot(b.normal) < 0 && (b.normal - a.normal).normalized().dot(apart) < -0.3 * distance)
     return AtRest::back_to_back;
-  const bool bend = b.normal.dot(apart) < -0.1 * distance && a.normal.dot(apart) > 0.1 * distance;
-  return bend ? AtRest::round_a_bend : AtRest::apart;
+  return AtRest::close;
 }
 
-/// Tissue between jaws is squeezed until faces round a bend seem to have passed through each other. They haven't; but a
-/// fold may close between them, which begins with a gap.
-constexpr double deepest_in_a_fold = 0.3e-3;
+/// Faces that were close to each other may seem to have passed through each other: those round a bend when they are
+/// squeezed, those of a rough cut when they shear. What really meets there begins with a gap and is held from then on.
+constexpr double deepest_where_close = 0.5e-3;
+
+/// Two sides of a crease: they look at each other in the rest shape, and an edge of the surface leads from one to the
+/// other. The tissue they join in keeps them apart; as contacts they would only push the crease open.
+bool in_a_crease(const ContactSurface& surface, std::uint32_t i, std::uint32_t j) {
+  if (surface.rest_faces()[i].normal.dot(surface.rest_faces()[j].normal) >= opposed) return false;
+  const auto& ours = surface.triangles()[j].vertices;
+  for (const VertexId v : surface.triangles()[i].vertices)
+    for (const std::uint32_t k : surface.around(v))
+      for (const VertexId w : surface.triangles()[k].vertices)
+        if (std::find(ours.begin(), ours.end(), w) != ours.end()) return true;
+  return false;
+}
 
 bool share_a_vertex(const Side& a, const Side& b) {
   return std::any_of(a.ids.begin(), a.ids.end(),
@@ -165,12 +176,13 @@ void find_self_contacts(const ContactSurface& surface, const ContactOptions& opt
     const AtRest rest = at_rest(surface, i, j);
     if (rest == AtRest::back_to_back) return;
     const Side a = tissue_side(surface, i), b = tissue_side(surface, j);
-    if (share_a_vertex(a, b)) return;
+    if (share_a_vertex(a, b) || in_a_crease(surface, i, j)) return;
     const ContactTriangle &triangle = surface.triangles()[i], &other = surface.triangles()[j];
-    Meeting(a, b, options.deepest_overlap, options.margin)
+    const double deepest =
+        rest == AtRest::close ? std::min(deepest_where_close, options.deepest_overlap) : options.deepest_overlap;
+    Meeting(a, b, deepest, options.margin)
         .each([&](const Vec3& weights_a, const Vec3& weights_b, const Vec3& normal, double gap, double expected,
                   std::uint64_t name) {
-          if (rest == AtRest::round_a_bend && gap < -deepest_in_a_fold) return;
           Candidate candidate;
           TissueContact& contact = candidate.contact;
           contact.partner = ContactPartner::tissue;

@@ -60,6 +60,10 @@ class Motion {
   [[nodiscard]] std::span<const std::uint32_t> parts() const { return part_; }
   [[nodiscard]] std::size_t part_count() const { return part_count_; }
 
+  /// The same by tets alone, springs not counted; of the mesh as it is.
+  [[nodiscard]] std::span<const std::uint32_t> groups() const { return group_; }
+  [[nodiscard]] std::size_t group_count() const { return group_count_; }
+
   [[nodiscard]] const std::vector<double>& masses() const { return masses_; }
   [[nodiscard]] std::span<const Vec3> right_side() const { return b_; }
   [[nodiscard]] double time_step() const { return dynamics_.time_step; }

@@ -1,6 +1,7 @@
 #include "calot/sim/world.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -244,6 +245,7 @@ void World::advance(std::span<const std::optional<InstrumentInput>> inputs) {
   motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
   motion_of_step_.resize(state_.positions.size());
   report_.free_motion = motion_.solve_free(preconditioner(), options_.solver, motion_of_step_);
+  let_grasps_slide();
   clock.end(Phase::free_motion);
   if (has_run_away()) {
     take_back();
@@ -325,6 +327,7 @@ void World::gather_springs() {
     arm.set_opening(arm.grasp->opening());
   }
   grip_clips();
+  first_grasp_spring_ = springs_.size();
   for (const InstrumentArm& arm : arms_)
     if (arm.grasp) arm.grasp->springs(springs_);
   loads_.assign(state_.positions.size(), Vec3::Zero());
@@ -337,6 +340,31 @@ void World::gather_springs() {
   find_carried(springs_);
   for (std::size_t v = 0; v < carried_masses_.size(); ++v)
     if (held_groups_[tet_groups_[v]]) loads_[v] -= carried_masses_[v] * options_.gravity;
+}
+
+// Springs of jaws were softened beforehand for tissue that goes on as it went. A pull that grew within the step passes
+// friction's limit there: where by more than a little, those places slide in a second solve.
+void World::let_grasps_slide() {
+  constexpr double little = 0.05;
+  const auto holds = [](const InstrumentArm& arm) { return arm.grasp && arm.grasp->holding(); };
+  if (std::none_of(arms_.begin(), arms_.end(), holds)) return;
+  std::vector<Vec3> trial = state_.positions;
+  for (std::size_t v = 0; v < trial.size(); ++v) trial[v] += motion_of_step_[v];
+  bool slides = false;
+  std::vector<Spring> again;
+  for (InstrumentArm& arm : arms_) {
+    if (holds(arm) && arm.grasp->excess(trial) > little && arm.grasp->correct(trial)) slides = true;
+    if (arm.grasp) arm.grasp->springs(again);
+  }
+  if (!slides) return;
+  std::copy(again.begin(), again.end(), springs_.begin() + static_cast<std::ptrdiff_t>(first_grasp_spring_));
+  compliance_.set_springs(springs_);
+  compliance_.present().settle();
+  compliance_.present().turn(vertex_rotations(around_, tissue_.rotations()));
+  motion_.begin(tissue_, state_, options_.gravity, springs_, loads_);
+  const int before = report_.free_motion.iterations;
+  report_.free_motion = motion_.solve_free(preconditioner(), options_.solver, motion_of_step_);
+  report_.free_motion.iterations += before;
 }
 
 void World::renew_compliance(PhaseClock& clock) {
@@ -412,6 +440,7 @@ bool World::has_run_away() const {
 
 // The last good state stays, at rest; the next step begins from there.
 void World::take_back() {
+  relax_loose_runaways();
   for (Vec3& v : state_.velocities) v.setZero();
   contacts_.clear();
   contact_forces_.clear();
@@ -423,6 +452,34 @@ void World::take_back() {
   motion_.follow(model_);
   report_.ran_away = true;
   say(EventKind::ran_away, -1, 0, "tissue moved faster than it can; the last good state is kept, at rest");
+}
+
+// Loose tissue that ran away would do so again from where it is: it gets its rest shape back there.
+void World::relax_loose_runaways() {
+  const double most = options_.runaway_speed * model_.dynamics().time_step;
+  const std::span<const std::uint32_t> group = motion_.groups();
+  const std::vector<std::uint8_t> loose = loose_groups();
+  std::vector<std::uint8_t> ran(loose.size(), 0);
+  for (std::size_t v = 0; v < group.size(); ++v)
+    if (loose[group[v]] && !(motion_of_step_[v].norm() <= most)) ran[group[v]] = 1;
+  const std::vector<Vec3>& rest = model_.mesh().positions;
+  for (std::uint32_t g = 0; g < ran.size(); ++g) {
+    if (!ran[g]) continue;
+    Vec3 here = Vec3::Zero(), there = Vec3::Zero();
+    double count = 0;
+    for (std::size_t v = 0; v < group.size(); ++v)
+      if (group[v] == g) here += state_.positions[v], there += rest[v], count += 1;
+    Mat3 sum = Mat3::Zero();
+    for (std::size_t v = 0; v < group.size(); ++v)
+      if (group[v] == g) sum += (state_.positions[v] - here / count) * (rest[v] - there / count).transpose();
+    const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3 flip = Mat3::Identity();
+    flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const Mat3 turn = svd.matrixU() * flip * svd.matrixV().transpose();
+    for (std::size_t v = 0; v < group.size(); ++v)
+      if (group[v] == g) state_.positions[v] = here / count + turn * (rest[v] - there / count);
+  }
+  tissue_.update_rotations(state_.positions);
 }
 
 double World::energy() const {

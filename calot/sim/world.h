@@ -30,6 +30,7 @@ struct WorldOptions {
   ContactOptions contact;
   RefreshOptions refresh;
   double recovery = 0.5e-3;   ///< overlap that a step undoes at most [m]
+  double debris = 1e-9;       ///< scraps of less than this that nothing holds are gone, as if flushed away [m³]
   double fall = 1;            ///< tissue this far below all there was at the start is lost, and stopped [m]
   double runaway_speed = 20;  ///< tissue that moves faster has run away: the step is taken back [m/s]
   /// Regions in balance as they lie at the start: what surrounds them carries their weight, which gravity doesn't move
@@ -151,15 +152,19 @@ class World {
   void edit_tissue();
   void cut_with_scissors(std::size_t arm);
   void remove_vaporised();
+  void drop_debris();
+  [[nodiscard]] std::vector<std::uint8_t> loose_groups() const;
   void part_torn();
   void stiffen();
   void gather_springs();
+  void let_grasps_slide();
   void renew_compliance(PhaseClock& clock);
   [[nodiscard]] std::vector<VertexId> likely_vertices() const;
   [[nodiscard]] Preconditioner preconditioner();
   void find_contacts();
   void withdraw_blades();
   [[nodiscard]] bool is_clear(const RigidShape& shape, const Pose& pose) const;
+  [[nodiscard]] double gap_of_step(const TissueContact& contact) const;
   void find_push();
   void keep_parts_apart();
   void lose_parts();
@@ -175,6 +180,7 @@ class World {
   void place_clip(std::size_t arm);
   [[nodiscard]] bool has_run_away() const;
   void take_back();
+  void relax_loose_runaways();
   void say(EventKind kind, std::int32_t instrument, double amount, std::string text);
   [[nodiscard]] TissueSurface tissue_surface() const;
   void renew_triangles();
@@ -223,6 +229,7 @@ class World {
   std::vector<WorldEvent> events_;
   std::vector<StiffnessChange> changes_;
   std::vector<Spring> springs_;
+  std::size_t first_grasp_spring_ = 0;  // in springs_, those of all grasps, arm by arm
   std::vector<TissueContact> contacts_;
   std::vector<ContactRows> rows_;
   std::vector<MovingShape> shapes_;

@@ -111,6 +111,15 @@ void World::find_contacts() {
   });
 }
 
+// What a contact's gap is taken for: of an overlap, what this step shall undo. Tissue in tissue parts gently: undone at
+// once, overlaps of rough cut faces would kick them.
+double World::gap_of_step(const TissueContact& contact) const {
+  constexpr double share_in_tissue = 0.2;
+  if (contact.gap >= 0) return contact.gap;
+  return std::max(contact.partner == ContactPartner::tissue ? share_in_tissue * contact.gap : contact.gap,
+                  -options_.recovery);
+}
+
 void World::solve_contacts(PhaseClock& clock) {
   report_.contacts = contacts_.size();
   contact_forces_.clear();
@@ -131,7 +140,7 @@ void World::solve_contacts(PhaseClock& clock) {
     const TissueContact& contact = contacts_[k];
     rows_.push_back(rows_of(contact));
     Vec3 q = rows_[k].frame.transpose() * (motion_at(rows_[k], motion_of_step_) - contact.partner_motion);
-    q.x() += std::max(contact.gap, -options_.recovery);
+    q.x() += gap_of_step(contact);
     report_.deepest_overlap = std::max(report_.deepest_overlap, -contact.gap);
     problem_.free_motion.segment<3>(3 * static_cast<Index>(k)) = q;
     problem_.friction.push_back(contact.friction);
@@ -164,7 +173,7 @@ void World::solve_contacts(PhaseClock& clock) {
   report_.response = motion_.add_response(contact_forces_, preconditioner(), options_.solver, motion_of_step_);
   // What the contacts really came to: the compliance they were solved with is an approximation once tissue has turned.
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const double gap = std::max(contacts_[k].gap, -options_.recovery) +
+    const double gap = gap_of_step(contacts_[k]) +
                        contacts_[k].normal.dot(motion_at(rows_[k], motion_of_step_) - contacts_[k].partner_motion);
     report_.contact_error = std::max(report_.contact_error, -gap);
   }
@@ -190,7 +199,7 @@ void World::find_push() {
   const Eigen::VectorXd q = problem_.free_motion;
   double most = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
-    const double overlap = std::min(-contacts_[k].gap, options_.recovery);
+    const double overlap = -gap_of_step(contacts_[k]);
     if (!(overlap > 0)) continue;
     const double parted = contacts_[k].normal.dot(motion_at(rows_[k], motion_of_step_) - contacts_[k].partner_motion);
     const double undone = std::min(overlap, parted);

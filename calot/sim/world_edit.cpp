@@ -1,5 +1,6 @@
 // Cuts, burns and tears: the one way in which a topology edit reaches every part of the world.
 #include <algorithm>
+#include <cstdio>
 #include <numeric>
 
 #include "calot/base/error.h"
@@ -159,7 +160,53 @@ void World::edit_tissue() {
     say(EventKind::cut_refused, -1, 0, refused.what());
   }
   remove_vaporised();
+  drop_debris();
   stiffen();
+}
+
+// Of the groups of tissue that hang together by tets, those that nothing holds: no bone, ligament, clip or jaw.
+std::vector<std::uint8_t> World::loose_groups() const {
+  const std::span<const std::uint32_t> group = motion_.groups();
+  std::vector<std::uint8_t> loose(motion_.group_count(), 1);
+  for (std::size_t v = 0; v < group.size(); ++v)
+    if (model_.is_fixed(VertexId(v))) loose[group[v]] = 0;
+  for (const Spring& spring : ligaments_) {
+    loose[group[spring.vertex.index()]] = 0;
+    if (spring.other.valid()) loose[group[spring.other.index()]] = 0;
+  }
+  for (std::size_t v = 0; v < group.size(); ++v)
+    if (loose[group[v]] &&
+        (std::any_of(arms_.begin(), arms_.end(),
+                     [&](const InstrumentArm& arm) { return arm.grasp && arm.grasp->holds(VertexId(v)); }) ||
+         std::any_of(clips_.begin(), clips_.end(), [&](const Clip& clip) { return clip.holds(VertexId(v)); })))
+      loose[group[v]] = 0;
+  return loose;
+}
+
+// Scraps that blades and tears leave: too light for their stiffness to be moved in steps of a frame, and no one's
+// interest.
+void World::drop_debris() {
+  if (changes_.empty() || !(options_.debris > 0)) return;
+  const TetMesh& mesh = model_.mesh();
+  const std::span<const std::uint32_t> group = motion_.groups();
+  std::vector<double> volume(motion_.group_count(), 0);
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+    volume[group[mesh.tets[t][0].index()]] += signed_volume(mesh, TetId(t));
+  if (*std::min_element(volume.begin(), volume.end()) >= options_.debris) return;
+  const std::vector<std::uint8_t> loose = loose_groups();
+  TopologyEdit removal;
+  double sum = 0;
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    const std::uint32_t g = group[mesh.tets[t][0].index()];
+    if (!loose[g] || volume[g] >= options_.debris) continue;
+    removal.removed.push_back(TetId(t));
+    sum += signed_volume(mesh, TetId(t));
+  }
+  if (removal.removed.empty()) return;
+  char text[96];
+  std::snprintf(text, sizeof text, "scraps of %zu tets, %.3f mm³ in all, came off and are gone", removal.removed.size(),
+                1e9 * sum);
+  apply(removal, EventKind::lost, text);
 }
 
 void World::cut_with_scissors(std::size_t k) {

@@ -72,8 +72,8 @@ void World::follow_up(std::span<const Vec3> before) {
       std::to_string(report_.stuck) + " tets are stretched beyond what they bear, and no crack relieves them");
 }
 
-// Jaws that close on a clip hold it and nothing else: its legs keep them off the tissue. What is in the clip is drawn along
-// by springs as stiff as the instrument.
+// Jaws that close on a clip hold it and nothing else: its legs keep them off the tissue. What is in the clip is drawn
+// along by springs as stiff as the instrument.
 void World::grip_clips() {
   for (InstrumentArm& arm : arms_) {
     if (!arm.grasp) continue;
@@ -198,7 +198,7 @@ void World::update_injury() {
     touch.area = spread_of_contact;
     // How fast they met: before the contact's own forces, which take the speed away.
     Vec3 parting = problem_.free_motion.segment<3>(3 * static_cast<Eigen::Index>(k));
-    parting.x() -= std::max(contact.gap, -options_.recovery);
+    parting.x() -= gap_of_step(contact);
     const Vec3 speed = rows_[k].frame * -parting / h;
     touch.speed = speed.norm();
     touch.angle = touch.speed > 1e-9 ? std::acos(std::clamp(speed.dot(contact.normal) / touch.speed, -1.0, 1.0)) : 0;
