@@ -95,8 +95,9 @@ Clip::Clip(const ClipFigures& figures, const InstrumentGeometry& applier, const 
   tets_ = clip_tets(figures_, frame_, middle * slope, slope, mesh, surface.positions);
   std::set<std::int32_t> regions;
   for (const TetId t : tets_) regions.insert(mesh.regions[t.index()]);
-  whole_ = std::any_of(regions.begin(), regions.end(),
-                       [&](std::int32_t region) { return spans(region, mesh, surface.positions); });
+  whole_ = std::any_of(regions.begin(), regions.end(), [&](std::int32_t region) {
+    return spans(region, middle * slope, slope, mesh, surface.positions);
+  });
   if (pairs_.empty()) come_off();
 }
 
@@ -275,13 +276,17 @@ bool Clip::together() const {
   return gap() <= std::min(closed_gap_ + figures_.gap_tolerance, figures_.most_gap);
 }
 
-bool Clip::spans(std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions) const {
-  const ClipSection section = clip_section(frame_, tets_, region, mesh, positions);
-  return section.tets > 0 && section.low_z >= -figures_.leg_length / 2 && section.high_z <= figures_.leg_length / 2;
+/// Whether the tube's whole section lies between the legs; what they press on may reach as far as their middle.
+bool Clip::spans(std::int32_t region, double reach, double slope, const TetMesh& mesh,
+                 std::span<const Vec3> positions) const {
+  const ClipSection section = clip_section(frame_, reach, slope, tets_, region, mesh, positions);
+  return section.tets > 0 && section.beyond <= figures_.wire && section.low_z >= -figures_.leg_length / 2 &&
+         section.high_z <= figures_.leg_length / 2;
 }
 
 bool Clip::closes(std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions) const {
-  return state_ == ClipState::closed && together() && spans(region, mesh, positions);
+  const double half = std::max(gap(), closed_gap_) / 2;
+  return state_ == ClipState::closed && together() && spans(region, half + figures_.wire, 0, mesh, positions);
 }
 
 bool Clip::holds(VertexId vertex) const {

@@ -78,7 +78,8 @@ class Clip {
   void follow_tets(const Remap& remap);
   void come_off();
   [[nodiscard]] bool together() const;
-  [[nodiscard]] bool spans(std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions) const;
+  [[nodiscard]] bool spans(std::int32_t region, double reach, double slope, const TetMesh& mesh,
+                           std::span<const Vec3> positions) const;
   [[nodiscard]] Vec3 target(const Pair& pair) const;
 
   ClipFigures figures_;

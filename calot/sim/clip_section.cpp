@@ -46,7 +46,7 @@ std::vector<Line> lines_of(const ClipFigures& figures, double reach, double slop
 }
 
 /// Range of the section of one tet with x = 0, grown by it; false where the plane misses the tet.
-bool grow(ClipSection& section, const std::array<Vec3, 4>& c) {
+bool grow(ClipSection& section, double reach, double slope, const std::array<Vec3, 4>& c) {
   bool cuts = false;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = i + 1; k < 4; ++k) {
@@ -57,6 +57,7 @@ bool grow(ClipSection& section, const std::array<Vec3, 4>& c) {
       section.high_z = std::max(section.high_z, p.z());
       section.low_y = std::min(section.low_y, p.y());
       section.high_y = std::max(section.high_y, p.y());
+      section.beyond = std::max(section.beyond, std::abs(p.y()) - reach - slope * p.z());
       cuts = true;
     }
   return cuts;
@@ -159,16 +160,16 @@ std::vector<ClipStation> clip_stations(const ClipFigures& figures, const Pose& f
   return stations;
 }
 
-ClipSection clip_section(const Pose& frame, std::span<const TetId> seeds, std::int32_t region, const TetMesh& mesh,
-                         std::span<const Vec3> positions) {
+ClipSection clip_section(const Pose& frame, double reach, double reach_slope, std::span<const TetId> seeds,
+                         std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions) {
   constexpr double far = std::numeric_limits<double>::infinity();
-  ClipSection section{far, -far, far, -far, 0};
+  ClipSection section{far, -far, far, -far, -far, 0};
   CutTets cut = cut_tets(frame, region, mesh, positions);
   std::vector<bool> taken(cut.tets.size(), false);  // by root
   for (std::size_t i = 0; i < cut.tets.size(); ++i)
     if (std::binary_search(seeds.begin(), seeds.end(), cut.tets[i])) taken[cut.groups.root(i)] = true;
   for (std::size_t i = 0; i < cut.tets.size(); ++i)
-    if (taken[cut.groups.root(i)] && grow(section, cut.corners[i])) ++section.tets;
+    if (taken[cut.groups.root(i)] && grow(section, reach, reach_slope, cut.corners[i])) ++section.tets;
   return section;
 }
 

@@ -40,10 +40,12 @@ std::vector<ClipStation> clip_stations(const ClipFigures& figures, const Pose& f
 struct ClipSection {
   double low_z = 0, high_z = 0;  ///< how far it reaches along the legs [m]
   double low_y = 0, high_y = 0;
+  double beyond = 0;     ///< how far it reaches out over the legs, across them; < 0: it lies between them [m]
   std::size_t tets = 0;  ///< 0 where no seed of the region is cut by the plane
 };
-ClipSection clip_section(const Pose& frame, std::span<const TetId> seeds, std::int32_t region, const TetMesh& mesh,
-                         std::span<const Vec3> positions);
+/// @param reach  as of `clip_stations`
+ClipSection clip_section(const Pose& frame, double reach, double reach_slope, std::span<const TetId> seeds,
+                         std::int32_t region, const TetMesh& mesh, std::span<const Vec3> positions);
 
 /// The tets, of any region, that lie at least in part in the clip's slab and between its legs, ascending.
 std::vector<TetId> clip_tets(const ClipFigures& figures, const Pose& frame, double reach, double reach_slope,

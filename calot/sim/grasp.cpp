@@ -266,6 +266,18 @@ Spring Grasp::spring_of(const Hold& hold) const {
   return spring;
 }
 
+double Grasp::excess(std::span<const Vec3> trial_positions) const {
+  double beyond = 0, limit = 0;
+  for (const Hold& hold : holds_) {
+    const Vec3& n = side(hold.side).direction;
+    const Vec3 stretch = hold.target - trial_positions[hold.vertex.index()];
+    const double pull = hold.across * (stretch - stretch.dot(n) * n).norm();
+    beyond += std::max(0.0, pull - hold.limit);
+    limit += hold.limit;
+  }
+  return limit > 0 ? beyond / limit : 0;
+}
+
 bool Grasp::correct(std::span<const Vec3> trial_positions) {
   bool again = false;
   for (Hold& hold : holds_) {

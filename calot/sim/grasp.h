@@ -65,6 +65,8 @@ class Grasp {
   /// with again. Without a trial, `springs` are softened beforehand by where the tissue would drift: exact for tissue
   /// that stays or follows; a pull that grows within a step passes the limit for that step.
   bool correct(std::span<const Vec3> trial_positions);
+  /// How far all that is held would pull beyond its friction there, as a share of that.
+  [[nodiscard]] double excess(std::span<const Vec3> trial_positions) const;
   /// Appends what acts on the tissue in this step.
   void springs(std::vector<Spring>& out) const;
   /// After it: slips where friction was exceeded, and reports.

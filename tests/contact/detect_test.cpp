@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstring>
 #include <numbers>
+#include <set>
 
 #include "calot/base/parallel.h"
 #include "calot/contact/simplex_distance.h"
@@ -284,6 +285,57 @@ TEST(Detect, AnEdgeThatJawsSqueezeToALipDoesNotTouchItself) {
       p.x() += share * (height == 0 ? -flow : flow);
     }
     EXPECT_TRUE(detect(surface, squeezed, {}, {}, {}).empty()) << flow;
+  }
+}
+
+/// A block with a wedge opened down to its middle: triangles of the crease's two sides that an edge joins don't touch,
+/// also where it is pressed together; farther out, where the sides meet, they do.
+TEST(Detect, SidesOfACreaseTouchOnlyAwayFromIt) {
+  const double slope = 0.1;
+  TetMesh mesh = box_mesh(8, 2, 8, {0.016, 0.004, 0.016});
+  // Above half height the halves are parted at x = 8 mm and drawn to both sides by the slope.
+  std::vector<VertexId> twin(mesh.vertex_count(), VertexId::none());
+  const std::size_t count = mesh.vertex_count();
+  for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+    double x = 0;
+    for (const VertexId v : mesh.tets[t]) x += mesh.position(v).x() / 4;
+    if (x < 0.008) continue;
+    for (VertexId& v : mesh.tets[t]) {
+      if (v.index() >= count || std::abs(mesh.position(v).x() - 0.008) > 1e-9 || mesh.position(v).z() < 0.0081)
+        continue;
+      if (!twin[v.index()].valid()) {
+        twin[v.index()] = VertexId(mesh.vertex_count());
+        mesh.positions.push_back(mesh.position(v));
+      }
+      v = twin[v.index()];
+    }
+  }
+  const auto drawn = [&](double by) {
+    std::vector<Vec3> positions = mesh.positions;
+    for (std::size_t v = 0; v < positions.size(); ++v) {
+      const double height = mesh.positions[v].z() - 0.008;
+      const bool right = v >= count || mesh.positions[v].x() > 0.0081;
+      if (height > 0) positions[v].x() += (right ? by : -by) * height;
+    }
+    return positions;
+  };
+  TetMesh creased = mesh;
+  creased.positions = drawn(slope);
+  ContactSurface surface(creased);
+  std::set<std::pair<VertexId, VertexId>> joined;
+  for (const ContactTriangle& t : surface.triangles())
+    for (const VertexId a : t.vertices)
+      for (const VertexId b : t.vertices) joined.insert({a, b});
+  for (const double by : {slope, 0.05, 0.01}) {
+    const auto contacts = detect(surface, drawn(by), {}, {}, {});
+    ASSERT_FALSE(contacts.empty()) << by;
+    double high = 0;
+    for (const auto& c : contacts) {
+      high = std::max(high, c.place.z());
+      for (const VertexId a : c.point.vertices)
+        for (const VertexId b : c.other.vertices) EXPECT_FALSE(joined.contains({a, b})) << by << " " << c.place.z();
+    }
+    EXPECT_GT(high, by < slope ? 0.0139 : 0.0099) << by;
   }
 }
 

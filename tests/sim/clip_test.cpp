@@ -70,6 +70,24 @@ const Closed& closed() {
   return once;
 }
 
+/// Legs beside the middle, by more and more: between them lies all of the tube, a corner of it, nothing.
+TEST(Clip, OneThatCatchesACornerOfTheTubeDoesNotHoldTheWholeTube) {
+  const auto fire_beside = [](Scene& scene, double beside) {
+    const Pose pose{Eigen::Quaterniond::Identity(), Vec3(0, beside, 0)};
+    return Clip(ClipFigures{}, applier(), pose, 0.4, scene.tissue.surface(), scene.mesh);
+  };
+  Scene scene;
+  EXPECT_TRUE(fire_beside(scene, 0.8 * mm).whole());
+  EXPECT_EQ(fire_beside(scene, 4.5 * mm).state(), ClipState::off);
+  for (const double beside : {2.2 * mm, -2.2 * mm}) {
+    Clip clip = fire_beside(scene, beside);
+    ASSERT_EQ(clip.state(), ClipState::closing) << beside;
+    EXPECT_FALSE(clip.whole()) << beside;
+    scene.run(clip, 60);
+    EXPECT_FALSE(clip.closes(1, scene.mesh, scene.tissue.positions)) << beside;
+  }
+}
+
 TEST(Clip, PairsOppositeWallsAcrossTheWholeTube) {
   const Scene scene;
   const Clip clip = scene.fire();

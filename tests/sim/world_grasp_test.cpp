@@ -65,6 +65,24 @@ TEST(WorldGrasp, PulledSlowlyItSlipsAtItsLimitAndNoSooner) {
   EXPECT_EQ(test::count(strip.world, EventKind::let_go), 1u);
 }
 
+/// Away from rest at once: what was expected of the step, that tissue goes on as it went, is as wrong as it gets.
+TEST(WorldGrasp, PulledFastItPassesItsLimitByAFewPercentAtMost) {
+  for (const Vec3& way : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())}) {
+    constexpr double grip = 1.5, limit = 2 * 5.0 / 6.0 * grip, speed = 100 * mm;
+    Strip strip(grip);
+    strip.close();
+    ASSERT_TRUE(strip.grasp().holding());
+    double most = 0;
+    for (int k = 0; k < 20 && strip.grasp().holding(); ++k) {
+      strip.step(speed * h * way, 0);
+      const GraspReport& report = strip.grasp().report();
+      if (strip.grasp().holding()) most = std::max(most, report.a.tangential + report.b.tangential);
+    }
+    EXPECT_LT(most, 1.05 * limit) << way.transpose();
+    EXPECT_GT(most, 0.6 * limit) << way.transpose();
+  }
+}
+
 TEST(WorldGrasp, HoldsBelowItsLimitAndReleasesWhenOpened) {
   constexpr double grip = 3.0, limit = 2 * 5.0 / 6.0 * grip;
   Strip strip(grip);
