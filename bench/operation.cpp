@@ -224,6 +224,7 @@ Operation::Operation(const Organ& organ, const Stiffness& stiffness, bool with_s
   std::map<std::int32_t, TissueProperties> properties = tissue_properties(model.mesh());
   WorldSetup setup{std::move(model), std::move(properties), {}, {}, {}, {}};
   setup.options.gravity = Vec3(0, -9.81, 0);
+  setup.options.tearing = stiffness.tears;
   setup.ligaments = bed_ = strands(setup.model.mesh(), bed_side_, 9.81 * body_.mass, body_.centre_of_mass);
   const InstrumentGeometry jaws = instrument_geometry(InstrumentKind::bowel_grasper);
   InstrumentInput start;

@@ -13,6 +13,7 @@ struct Stiffness {
   double body = 20e3, ducts = 500e3;
   double grip = 0.8;        ///< that the jaws may use without crushing what they hold [N]
   double squeeze = 4.5e-3;  ///< how far each tube presses in [m]
+  bool tears = true;        ///< a fine mesh shows the peak of strain at the jaws, where this operation would tear it
 };
 inline constexpr Stiffness as_in_the_paper{1e6, 1e6, 5, 1.5e-3};
 

@@ -22,7 +22,7 @@ std::string words_of(const Organ& organ, const Stiffness& stiffness) {
   std::array<char, 100> words{};
   std::snprintf(words.data(), words.size(), "%zu tets, body %g kPa, ducts %g kPa", organ.model.mesh().tet_count(),
                 stiffness.body / 1e3, stiffness.ducts / 1e3);
-  return words.data();
+  return std::string(words.data()) + (stiffness.tears ? "" : ", nothing tears");
 }
 
 std::vector<double> milliseconds(std::vector<double> seconds) {
