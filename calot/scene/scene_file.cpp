@@ -21,7 +21,7 @@ const std::vector<std::string> cutting_modes{"split", "remove"};
 
 std::vector<std::string> kind_words() {
   std::vector<std::string> words;
-  for (int k = 0; k <= static_cast<int>(InstrumentKind::suction); ++k)
+  for (int k = 0; k <= static_cast<int>(InstrumentKind::fan_retractor); ++k)
     words.emplace_back(name_of(static_cast<InstrumentKind>(k)));
   return words;
 }

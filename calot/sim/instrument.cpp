@@ -1,6 +1,7 @@
 #include "calot/sim/instrument.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace calot {
 namespace {
@@ -121,6 +122,18 @@ InstrumentGeometry suction() {
   return g;
 }
 
+/// Fingers spread in the plane of x and z; the middle one ends in the origin.
+InstrumentGeometry fan_retractor() {
+  InstrumentGeometry g;
+  g.kind = InstrumentKind::fan_retractor;
+  const double length = 60 * mm, spread = 0.35, r = 1.75 * mm;
+  const Vec3 root(0, 0, -length);
+  g.shaft = tube(5 * mm, -length);
+  for (const double angle : {-spread, 0.0, spread})
+    g.shaft.pieces.push_back(capsule(root, root + (length - r) * Vec3(std::sin(angle), 0, std::cos(angle)), r));
+  return g;
+}
+
 }  // namespace
 
 double InstrumentGeometry::middle(double z) const {
@@ -148,6 +161,8 @@ InstrumentGeometry instrument_geometry(InstrumentKind kind) {
       return hook();
     case InstrumentKind::suction:
       return suction();
+    case InstrumentKind::fan_retractor:
+      return fan_retractor();
   }
   return {};
 }
@@ -166,6 +181,8 @@ std::string_view name_of(InstrumentKind kind) {
       return "hook";
     case InstrumentKind::suction:
       return "suction";
+    case InstrumentKind::fan_retractor:
+      return "fan retractor";
   }
   return "";
 }

@@ -15,11 +15,12 @@ enum class InstrumentKind : std::uint8_t {
   scissors,        ///< two blades that cut what they sweep
   hook,            ///< monopolar L-hook, energy by the pedal
   suction,         ///< suction and irrigation tube
+  fan_retractor,   ///< three fingers, spread, that lift a liver
 };
 
 /// What a hand, a device or a script asks of one instrument at the end of a step.
 struct InstrumentInput {
-  Pose pose;            ///< of the instrument's frame: origin at the jaws' pivot (or the tube's end), +z out of the tip
+  Pose pose;            ///< of the instrument's frame: origin at the jaws' pivot (or the tube's or fingers' end), +z out of the tip
   double opening = 0;   ///< angle between the jaws, 0 … geometry's max_opening [rad]
   double grip = 0;      ///< closing force wanted at the jaws, ≥ 0 [N]
   bool energy = false;  ///< pedal: cautery on
@@ -31,7 +32,7 @@ struct InstrumentInput {
 /// there.
 struct InstrumentGeometry {
   InstrumentKind kind = InstrumentKind::bowel_grasper;
-  RigidShape shaft, jaw_a, jaw_b;  ///< jaws are empty for hook and suction
+  RigidShape shaft, jaw_a, jaw_b;  ///< jaws are empty for hook, suction and retractor
   double max_opening = 0;          ///< [rad]
   double jaw_length = 0;           ///< from the pivot to the tips [m]
   double jaw_width = 0;            ///< across, along x, where the inner faces begin [m]

@@ -18,7 +18,7 @@ TEST(Articulate, OpensBothJawsByHalfTheAngle) {
 TEST(InstrumentGeometry, EveryInstrumentGoesThroughItsPort) {
   for (const InstrumentKind kind :
        {InstrumentKind::bowel_grasper, InstrumentKind::curved_forceps, InstrumentKind::clip_applier,
-        InstrumentKind::scissors, InstrumentKind::hook, InstrumentKind::suction}) {
+        InstrumentKind::scissors, InstrumentKind::hook, InstrumentKind::suction, InstrumentKind::fan_retractor}) {
     const InstrumentGeometry g = instrument_geometry(kind);
     const double port = kind == InstrumentKind::clip_applier ? 5e-3 : 2.5e-3;
     ASSERT_FALSE(g.shaft.pieces.empty()) << name_of(kind);
