@@ -20,7 +20,8 @@ enum class InstrumentKind : std::uint8_t {
 
 /// What a hand, a device or a script asks of one instrument at the end of a step.
 struct InstrumentInput {
-  Pose pose;            ///< of the instrument's frame: origin at the jaws' pivot (or the tube's or fingers' end), +z out of the tip
+  Pose pose;  ///< of the instrument's frame: origin at the jaws' pivot (or the end of tube or fingers), +z out of the
+              ///< tip
   double opening = 0;   ///< angle between the jaws, 0 … geometry's max_opening [rad]
   double grip = 0;      ///< closing force wanted at the jaws, ≥ 0 [N]
   bool energy = false;  ///< pedal: cautery on
