@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "calot/mesh/quality.h"
 #include "calot/scene/scene_file.h"
@@ -28,14 +29,20 @@ TEST(ExampleScenes, AreReadAndShort) {
     EXPECT_GT(scene.steps, 0u);
     // Patients are made by who runs the scene: here one of four cubes stands in.
     const bool of_patient = !scene.patient.empty();
-    if (of_patient) scene.patient = patient.path();
+    if (of_patient) {
+      scene.patient = patient.path();
+      const std::set<std::string> there = {"liver", "gallbladder", "cystic duct", "common bile duct"};
+      std::erase_if(scene.regions, [&](const RegionSettings& settings) { return !there.contains(settings.region); });
+    }
     const SceneTissue tissue = load_tissue(scene);
     EXPECT_EQ(validate(tissue.model.mesh()).describe(), "");
     EXPECT_GT(tissue.model.mesh().tet_count(), of_patient ? 1u : 100u);
     EXPECT_LT(tissue.model.mesh().tet_count(), 20000u);
-    for (const SceneInstrument& tool : scene.instruments)
+    for (const SceneInstrument& tool : scene.instruments) {
+      const Vec3 port = of_patient ? Vec3(0.1, 0.1, 0.1) : port_of(tool, tissue);  // the stand-in has other ports
       for (double t = 0; t < scene.time_step * static_cast<double>(scene.steps); t += 0.05)
-        EXPECT_TRUE(input_at(tool.script, 0.02, port_of(tool, tissue), t).pose.position.allFinite());
+        EXPECT_TRUE(input_at(tool.script, 0.02, port, t).pose.position.allFinite());
+    }
     ++count;
   }
   EXPECT_GE(count, 5);
