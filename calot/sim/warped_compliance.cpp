@@ -224,7 +224,7 @@ Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a, s
 // than single precision bears, and in the end double precision: then a trace of what leaves stays, until the next base.
 // Stiff jaws on tissue that gives way easily make it large instead: C − C k C then loses as many digits.
 Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
-  constexpr double most_in_single = 20, most_in_double = 1e7, kept_share = 1e-6;
+  constexpr double most_in_single = 20, most_cancelled_in_single = 1000, most_in_double = 1e7, kept_share = 1e-6;
   double amplified = 0, cancelled = 0;
   const auto attempt = [&](double kept) {
     const Eigen::MatrixXd delta = pending_.sum(kept);
@@ -239,7 +239,7 @@ Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
   };
   Eigen::MatrixXd k = attempt(0);
   if (!(amplified < most_in_double)) k = attempt(kept_share);
-  precise_ = precise_ || std::max(amplified, cancelled) > most_in_single;
+  precise_ = precise_ || amplified > most_in_single || cancelled > most_cancelled_in_single;
   return k;
 }
 
