@@ -39,7 +39,8 @@ TEST(ExampleScenes, AreReadAndShort) {
     EXPECT_GT(tissue.model.mesh().tet_count(), of_patient ? 1u : 100u);
     EXPECT_LT(tissue.model.mesh().tet_count(), 20000u);
     for (const SceneInstrument& tool : scene.instruments) {
-      const std::optional<Vec3> port = of_patient ? Vec3(0.1, 0.1, 0.1) : port_of(tool, tissue);  // the stand-in has other ports
+      const std::optional<Vec3> port =
+          of_patient ? Vec3(0.1, 0.1, 0.1) : port_of(tool, tissue);  // the stand-in has other ports
       for (double t = 0; t < scene.time_step * static_cast<double>(scene.steps); t += 0.05)
         EXPECT_TRUE(input_at(tool.script, 0.02, port, t).pose.position.allFinite());
     }

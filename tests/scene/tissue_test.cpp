@@ -174,7 +174,7 @@ TEST(LoadTissue, APatientBringsAttachmentsPortsAndMaterials) {
   EXPECT_EQ(tissue.model.materials().at(label_of(Structure::liver)).young, material_of(Structure::liver).young);
   for (std::size_t v = 0; v < tissue.model.mesh().vertex_count(); ++v)
     EXPECT_EQ(tissue.model.fixed()[v] != 0, v == 4 || v == 9 || v == 14) << v;  // not the peritoneum's 1 and 6
-  EXPECT_EQ(tissue.carried.size(), tissue.bodies.size());  // it lies in balance as it was imaged
+  EXPECT_EQ(tissue.carried.size(), tissue.bodies.size());                       // it lies in balance as it was imaged
   EXPECT_LT((*port_of(scene.instruments[0], tissue) - Vec3(0.05, 0.15, 0)).norm(), 1e-9);
   const std::string found = message_of([&] { port_of(scene.instruments[1], tissue); });
   EXPECT_NE(found.find("s.toml:7"), std::string::npos) << found;
@@ -183,8 +183,8 @@ TEST(LoadTissue, APatientBringsAttachmentsPortsAndMaterials) {
 
 TEST(LoadTissue, ARegionIsCarriedWhereTheSceneSaysSo) {
   EXPECT_TRUE(load_tissue(read_text(two)).carried.empty());
-  const SceneTissue one = load_tissue(read_text(
-      two + "[[region]]\nregion = \"*\"\ncarried = true\n[[region]]\nregion = \"liver\"\ncarried = false\n"));
+  const SceneTissue one = load_tissue(
+      read_text(two + "[[region]]\nregion = \"*\"\ncarried = true\n[[region]]\nregion = \"liver\"\ncarried = false\n"));
   EXPECT_EQ(one.carried, (std::set{regions_matching(one.model.mesh(), "phantom gel", "")[0]}));
   const TempFolder folder;
   fuzz::write_tiny_files(folder.path());
