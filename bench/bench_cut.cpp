@@ -100,6 +100,20 @@ std::vector<SplitEdit> split_transections(const Organ& organ, std::size_t count)
   return splits;
 }
 
+// PREFIXerror, of answers refined, and PREFIXblock_error, of those given at once.
+void add_error_rows(const std::string& prefix, const CutTimes& times, const std::string& words,
+                    std::vector<Row>& rows) {
+  rows.push_back({.name = prefix + "error",
+                  .value = times.error,
+                  .unit = "1",
+                  .baseline = "a refined recomputation, worst column, " + words,
+                  .goal = times.bound});
+  rows.push_back({.name = prefix + "block_error",
+                  .value = times.block_error,
+                  .unit = "1",
+                  .baseline = "the same, for the block answered at once, not refined"});
+}
+
 // The same transections by splitting; `removing` has the times of removal.
 std::vector<Row> split_rows(const Organ& organ, const BenchOptions& options, const CutTimes& removing) {
   const std::vector<SplitEdit> splits = split_transections(organ, 24);
@@ -115,16 +129,9 @@ std::vector<Row> split_rows(const Organ& organ, const BenchOptions& options, con
   usable.baseline = "cut.usable, which removes (" + std::to_string(times.tets) + " tets in pieces, " +
                     std::to_string(added) + " vertices more, rank " + std::to_string(times.rank) + ")";
   usable.ratio = *usable.p99 / (1e3 * distribution(removing.usable).p99);
-  Row error = {.name = "cut.split_error",
-               .value = times.error,
-               .unit = "1",
-               .baseline = "a refined recomputation, worst column, added vertices among them; the bound as above",
-               .goal = times.bound};
-  Row block = {.name = "cut.split_block_error",
-               .value = times.block_error,
-               .unit = "1",
-               .baseline = "the same, for the block answered at once, not refined"};
-  return {usable, error, block};
+  std::vector<Row> rows{usable};
+  add_error_rows("cut.split_", times, "added vertices among them; the bound as above", rows);
+  return rows;
 }
 
 }  // namespace
@@ -162,17 +169,10 @@ std::vector<Row> bench_cut(const BenchOptions& options) {
                .unit = "s",
                .baseline = "cut.usable",
                .ratio = through_files / (*usable.p99 / 1e3)};
-  Row error = {.name = "cut.error",
-               .value = times.error,
-               .unit = "1",
-               .baseline = "a refined recomputation, worst column; the bound is max(1e-9, 10 eps kappa)",
-               .goal = times.bound};
-  Row block = {.name = "cut.block_error",
-               .value = times.block_error,
-               .unit = "1",
-               .baseline = "the same, for the block answered at once, not refined"};
   Row eigenvalue = {.name = "cut.smallest_eigenvalue", .value = times.eigenvalue, .unit = "1"};
-  std::vector<Row> rows{usable, fold, query, files, error, block, eigenvalue};
+  std::vector<Row> rows{usable, fold, query, files};
+  add_error_rows("cut.", times, "the bound is max(1e-9, 10 eps kappa)", rows);
+  rows.push_back(eigenvalue);
   rows.insert(rows.end(), of_splits.begin(), of_splits.end());
   if (!options.model.empty()) return rows;
   const Organ small = make_organ_of_tets(options, 10000, 1.0 / 60);

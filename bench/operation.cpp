@@ -2,13 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <thread>
 
 #include "calot/base/error.h"
+#include "calot/sim/rigid_fit.h"
 
 namespace calot::bench {
 namespace {
@@ -152,16 +152,9 @@ Vec3 Patch::centre(const TissueState& state) const {
 }
 
 Mat3 Patch::rotation(const TissueState& state) const {
-  const Vec3 now = centre(state);
-  Vec3 before = Vec3::Zero();
-  for (const Vec3& x : rest_) before += x / static_cast<double>(rest_.size());
-  Mat3 sum = Mat3::Zero();
-  for (std::size_t k = 0; k < ids_.size(); ++k)
-    sum += (state.positions[ids_[k].index()] - now) * (rest_[k] - before).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 flip = Mat3::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * flip * svd.matrixV().transpose();
+  std::vector<Vec3> now;
+  for (const VertexId v : ids_) now.push_back(state.positions[v.index()]);
+  return fit_rigid(rest_, now).rotation.toRotationMatrix();
 }
 
 // The body's long axis, its sides and its far end; what instruments follow.

@@ -45,14 +45,17 @@ inline std::string tiny_patient_toml() {
 }
 
 /// What patient.toml names, in part: mesh, centrelines and model.
-inline void write_tiny_files(const std::filesystem::path& folder) {
-  const Patient patient = tiny_patient();
+inline void write_named_files(const std::filesystem::path& folder, const Patient& patient) {
   TetMesh mesh = patient.mesh;
   for (Vec3& p : mesh.positions) p *= 1e3;
   write_mesh(folder / "mesh.msh", mesh);
   write_markups(folder / "centrelines.mrk.json", patient.lines);
   std::ofstream model(folder / "model.toml");
   detail::write_model_toml(model, patient, "calot");
+}
+
+inline void write_tiny_files(const std::filesystem::path& folder) {
+  write_named_files(folder, tiny_patient());
 }
 
 }  // namespace calot::fuzz

@@ -2,6 +2,8 @@
 
 #include <cstring>
 
+#include "calot/base/wide.h"
+
 namespace calot::detail {
 namespace {
 

@@ -32,14 +32,6 @@ void forward_on_path(const Factor& factor, std::span<const std::uint32_t> path, 
   }
 }
 
-// The same arithmetic for wider registers where the processor has them; without contraction the bits are the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define CALOT_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define CALOT_WIDE
-#endif
-
 /// y ← y − three columns of a panel times x: y is read and written once for all of them.
 void subtract_three(float* y, const float* a, std::size_t ld, const float* x, std::size_t count);
 void subtract_three(double* y, const double* a, std::size_t ld, const double* x, std::size_t count);

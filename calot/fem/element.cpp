@@ -22,14 +22,6 @@ TetShape tet_shape(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return shape;
 }
 
-Mat3 stiffness_block(const TetShape& shape, const Lame& lame, int a, int b) {
-  const Vec3& ga = shape.gradient[static_cast<std::size_t>(a)];
-  const Vec3& gb = shape.gradient[static_cast<std::size_t>(b)];
-  Mat3 block = lame.lambda * (ga * gb.transpose()) + lame.mu * (gb * ga.transpose());
-  block.diagonal().array() += lame.mu * ga.dot(gb);
-  return shape.volume * block;
-}
-
 Eigen::Matrix<double, 12, 12> stiffness(const TetShape& shape, const Lame& lame) {
   Eigen::Matrix<double, 12, 12> k;
   for (int a = 0; a < 4; ++a)

@@ -4,14 +4,7 @@
 #include <cmath>
 
 #include "calot/base/parallel.h"
-
-// The same arithmetic for wider registers where the processor has them; without contraction the bits are the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define CALOT_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define CALOT_WIDE
-#endif
+#include "calot/base/wide.h"
 
 namespace calot {
 namespace {

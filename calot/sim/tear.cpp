@@ -1,3 +1,4 @@
+#include "calot/base/wide.h"
 #include "calot/sim/tear.h"
 
 #include <Eigen/Dense>
@@ -6,14 +7,6 @@
 
 #include "calot/base/error.h"
 #include "calot/sim/tear_faces.h"
-
-// The same arithmetic for wider registers where the processor has them; without contraction the bits are the same.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define CALOT_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define CALOT_WIDE
-#endif
 
 namespace calot {
 namespace {

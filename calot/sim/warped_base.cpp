@@ -65,21 +65,14 @@ void each_block(const BaseRequest& request, const Add& add) {
   const double stiffness = model.dynamics().stiffness_factor();
   for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
     const Tet& tet = mesh.tets[t];
-    const TetShape shape =
+    TetShape shape =
         tet_shape(mesh.position(tet[0]), mesh.position(tet[1]), mesh.position(tet[2]), mesh.position(tet[3]));
     const Mat3 r = request.rotations[t].toRotationMatrix();
-    std::array<Vec3, 4> g;
-    for (std::size_t a = 0; a < 4; ++a) g[a] = r * shape.gradient[a];
+    for (Vec3& g : shape.gradient) g = r * g;
+    shape.volume *= stiffness;
     const Lame lame = model.lame_of(TetId(t));
-    const double lambda = stiffness * shape.volume * lame.lambda, mu = stiffness * shape.volume * lame.mu;
     for (std::size_t k = 0; k < corner_pairs.size(); ++k)
-      add(t, k, [&](std::size_t row, std::size_t column) {
-        Mat3 block;
-        for (int j = 0; j < 3; ++j)
-          for (int i = 0; i < 3; ++i) block(i, j) = lambda * g[row](i) * g[column](j) + mu * g[column](i) * g[row](j);
-        block.diagonal().array() += mu * g[row].dot(g[column]);
-        return block;
-      });
+      add(t, k, [&](int row, int column) { return stiffness_block(shape, lame, row, column); });
   }
 }
 

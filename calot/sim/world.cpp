@@ -1,7 +1,6 @@
 #include "calot/sim/world.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "calot/base/files.h"
 #include "calot/mesh/parts.h"
 #include "calot/sim/instrument_state.h"
+#include "calot/sim/rigid_fit.h"
 #include "calot/sim/world_clock.h"
 
 namespace calot {
@@ -131,6 +131,8 @@ std::string_view name_of(EventKind kind) {
       return "overstretched";
     case EventKind::lost:
       return "lost";
+    case EventKind::debris:
+      return "debris";
   }
   return "";
 }
@@ -431,11 +433,13 @@ void World::lose_parts() {
           "a part of " + std::to_string(tets[part]) + " tets fell out of the scene, and is left where it is");
 }
 
+bool World::is_too_fast(const Vec3& motion) const {  // what isn't a number is
+  return !(motion.norm() <= options_.runaway_speed * model_.dynamics().time_step);
+}
+
 bool World::has_run_away() const {
-  const double most = options_.runaway_speed * model_.dynamics().time_step;
   return !std::isfinite(report_.free_motion.residual) || !std::isfinite(report_.response.residual) ||
-         std::any_of(motion_of_step_.begin(), motion_of_step_.end(),
-                     [&](const Vec3& d) { return !(d.norm() <= most); });
+         std::any_of(motion_of_step_.begin(), motion_of_step_.end(), [&](const Vec3& d) { return is_too_fast(d); });
 }
 
 // The last good state stays, at rest; the next step begins from there.
@@ -456,28 +460,23 @@ void World::take_back() {
 
 // Loose tissue that ran away would do so again from where it is: it gets its rest shape back there.
 void World::relax_loose_runaways() {
-  const double most = options_.runaway_speed * model_.dynamics().time_step;
   const std::span<const std::uint32_t> group = motion_.groups();
   const std::vector<std::uint8_t> loose = loose_groups();
   std::vector<std::uint8_t> ran(loose.size(), 0);
   for (std::size_t v = 0; v < group.size(); ++v)
-    if (loose[group[v]] && !(motion_of_step_[v].norm() <= most)) ran[group[v]] = 1;
-  const std::vector<Vec3>& rest = model_.mesh().positions;
+    if (loose[group[v]] && is_too_fast(motion_of_step_[v])) ran[group[v]] = 1;
   for (std::uint32_t g = 0; g < ran.size(); ++g) {
     if (!ran[g]) continue;
-    Vec3 here = Vec3::Zero(), there = Vec3::Zero();
-    double count = 0;
-    for (std::size_t v = 0; v < group.size(); ++v)
-      if (group[v] == g) here += state_.positions[v], there += rest[v], count += 1;
-    Mat3 sum = Mat3::Zero();
-    for (std::size_t v = 0; v < group.size(); ++v)
-      if (group[v] == g) sum += (state_.positions[v] - here / count) * (rest[v] - there / count).transpose();
-    const Eigen::JacobiSVD<Mat3> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Mat3 flip = Mat3::Identity();
-    flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    const Mat3 turn = svd.matrixU() * flip * svd.matrixV().transpose();
-    for (std::size_t v = 0; v < group.size(); ++v)
-      if (group[v] == g) state_.positions[v] = here / count + turn * (rest[v] - there / count);
+    std::vector<std::size_t> members;
+    std::vector<Vec3> rest, now;
+    for (std::size_t v = 0; v < group.size(); ++v) {
+      if (group[v] != g) continue;
+      members.push_back(v);
+      rest.push_back(model_.mesh().positions[v]);
+      now.push_back(state_.positions[v]);
+    }
+    const Pose here = fit_rigid(rest, now);
+    for (std::size_t k = 0; k < members.size(); ++k) state_.positions[members[k]] = here * rest[k];
   }
   tissue_.update_rotations(state_.positions);
 }

@@ -72,6 +72,7 @@ enum class EventKind : std::uint8_t {
   inverted,
   overstretched,
   lost,
+  debris,
 };
 std::string_view name_of(EventKind kind);
 
@@ -178,6 +179,7 @@ class World {
   void update_injury();
   void update_fluids();
   void place_clip(std::size_t arm);
+  [[nodiscard]] bool is_too_fast(const Vec3& motion) const;
   [[nodiscard]] bool has_run_away() const;
   void take_back();
   void relax_loose_runaways();
@@ -236,7 +238,7 @@ class World {
   std::vector<std::pair<std::uint32_t, std::uint8_t>> shape_owner_;  // instrument, part (0 shaft, 1 jaw a, 2 jaw b)
   FrictionProblem problem_;
   std::map<std::uint64_t, Vec3> warm_;  // forces by contact key
-  std::vector<Vec3> motion_of_step_, contact_forces_, loads_, guess_;
+  std::vector<Vec3> motion_of_step_, contact_forces_, loads_;
   std::vector<Vec3> push_;  // of the step's motion, what only undid overlaps; n, or empty
 };
 

@@ -181,22 +181,22 @@ void World::solve_contacts(PhaseClock& clock) {
   clock.end(Phase::response);
 }
 
-// A part without contact forces gets no trace of the others' either.
+// A part without contact forces gets no trace of the others' push either.
 void World::keep_parts_apart() {
   if (motion_.part_count() == 1) return;
   std::vector<std::uint8_t> touched(motion_.part_count(), 0);
   const std::span<const std::uint32_t> parts = motion_.parts();
   for (std::size_t v = 0; v < contact_forces_.size(); ++v)
     if (!contact_forces_[v].isZero(0)) touched[parts[v]] = 1;
-  for (std::size_t v = 0; v < guess_.size(); ++v)
-    if (!touched[parts[v]]) guess_[v].setZero();
+  for (std::size_t v = 0; v < push_.size(); ++v)
+    if (!touched[parts[v]]) push_[v].setZero();
 }
 
 // Overlaps are undone as a shift of place, which is no velocity: `push_` is what the motion would be without it less.
 // Its forces: those of the contacts less those they would need had they not to part by what they really parted by.
 void World::find_push() {
   constexpr double least = 1e-6;  // [m]
-  const Eigen::VectorXd q = problem_.free_motion;
+  FrictionProblem eased = problem_;
   double most = 0;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const double overlap = -gap_of_step(contacts_[k]);
@@ -205,26 +205,23 @@ void World::find_push() {
     const double undone = std::min(overlap, parted);
     if (!(undone > 0)) continue;
     most = std::max(most, undone);
-    problem_.free_motion[3 * static_cast<Index>(k)] += undone;
+    eased.free_motion[3 * static_cast<Index>(k)] += undone;
   }
-  if (most > least) {
-    const Eigen::VectorXd& forces = report_.friction.forces;
-    const FrictionSolution without =
-        solve_friction(problem_, {forces.data(), static_cast<std::size_t>(forces.size())}, options_.friction);
-    std::vector<Vec3> difference(contact_forces_.size(), Vec3::Zero());
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-      const auto at = 3 * static_cast<Index>(k);
-      const Vec3 force = rows_[k].frame * (forces.segment<3>(at) - without.forces.segment<3>(at));
-      for (std::size_t i = 0; i < rows_[k].count; ++i)
-        if (const VertexId v = rows_[k].vertices[i]; !model_.is_fixed(v))
-          difference[v.index()] += rows_[k].weights[i] * force;
-    }
-    guess_.resize(difference.size());
-    preconditioner().apply(difference, guess_);
-    keep_parts_apart();
-    push_ = guess_;
+  if (most <= least) return;
+  const Eigen::VectorXd& forces = report_.friction.forces;
+  const FrictionSolution without =
+      solve_friction(eased, {forces.data(), static_cast<std::size_t>(forces.size())}, options_.friction);
+  std::vector<Vec3> difference(contact_forces_.size(), Vec3::Zero());
+  for (std::size_t k = 0; k < rows_.size(); ++k) {
+    const auto at = 3 * static_cast<Index>(k);
+    const Vec3 force = rows_[k].frame * (forces.segment<3>(at) - without.forces.segment<3>(at));
+    for (std::size_t i = 0; i < rows_[k].count; ++i)
+      if (const VertexId v = rows_[k].vertices[i]; !model_.is_fixed(v))
+        difference[v.index()] += rows_[k].weights[i] * force;
   }
-  problem_.free_motion = q;
+  push_.resize(difference.size());
+  preconditioner().apply(difference, push_);
+  keep_parts_apart();
 }
 
 // The contacts with this instrument alone; what the others do is part of the free motion.

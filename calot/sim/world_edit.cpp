@@ -206,7 +206,7 @@ void World::drop_debris() {
   char text[96];
   std::snprintf(text, sizeof text, "scraps of %zu tets, %.3f mm³ in all, came off and are gone", removal.removed.size(),
                 1e9 * sum);
-  apply(removal, EventKind::lost, text);
+  if (apply(removal, EventKind::debris, text)) events_.back().amount = 1e6 * sum;
 }
 
 void World::cut_with_scissors(std::size_t k) {

@@ -24,12 +24,7 @@ void write_liver(const std::filesystem::path& folder) {
   patient.lines.clear();
   patient.landmarks.clips.clear();
   patient.landmarks.cuts.clear();
-  TetMesh mesh = patient.mesh;
-  for (Vec3& p : mesh.positions) p *= 1e3;
-  write_mesh(folder / "mesh.msh", mesh);
-  write_markups(folder / "centrelines.mrk.json", patient.lines);
-  std::ofstream model(folder / "model.toml");
-  detail::write_model_toml(model, patient, "calot");
+  fuzz::write_named_files(folder, patient);
   std::ofstream text(folder / "patient.toml");
   detail::write_patient_toml(text, patient, "calot");
 }

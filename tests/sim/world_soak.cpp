@@ -234,7 +234,8 @@ std::string wrong(const World& world, double mass_before, bool lost_tets) {
   if (lost_tets ? mass > mass_before * (1 + 1e-3) : std::abs(mass - mass_before) > 1e-3 * mass_before)
     return "mass went from " + std::to_string(1e3 * mass_before) + " g to " + std::to_string(1e3 * mass) + " g";
   if (!within(world.heat().coagulation(), 0, 1 + 1e-9)) return "coagulation out of range";
-  if (!within(world.heat().peak_temperatures(), 36, 400)) return "a temperature out of range";
+  for (const double peak : world.heat().peak_temperatures())
+    if (!(peak >= 36 && peak <= 400)) return "a temperature is out of range: " + std::to_string(peak);
   if (!within(world.injury().blanching(), 0, 1) || !within(world.injury().bruising(), 0, 1))
     return "injury out of range";
   for (const InstrumentArm& arm : world.instruments())
@@ -259,6 +260,8 @@ std::string one_step(World& world, std::vector<Wanderer>& wanderers, test::Rando
   bool lost = !world.options().split;
   for (const WorldEvent& event : world.events()) {
     lost = lost || event.kind == EventKind::burnt;
+    if (event.kind == EventKind::debris)
+      mass -= 1e-6 * event.amount * world.model().materials().begin()->second.density;
     ++tally.events[static_cast<std::size_t>(event.kind)];
   }
   ++tally.steps;
