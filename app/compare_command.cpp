@@ -14,7 +14,7 @@
 #include "calot/base/files.h"
 #include "calot/fem/model_file.h"
 #include "calot/mesh/mesh_file.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 namespace {

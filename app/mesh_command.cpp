@@ -12,7 +12,7 @@
 #include "app/terminal.h"
 #include "calot/base/error.h"
 #include "calot/patient/label_mesh_files.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 namespace {

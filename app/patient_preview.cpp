@@ -9,7 +9,7 @@
 
 #include "calot/base/parallel.h"
 #include "calot/mesh/surface.h"
-#include "calot/view/slices.h"
+#include "calot/picture/slices.h"
 
 namespace calot {
 namespace {

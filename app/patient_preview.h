@@ -1,7 +1,7 @@
 // preview.png of a patient's folder.
 #pragma once
 #include "calot/patient/patient.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 

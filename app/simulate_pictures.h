@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calot/scene/scene_world.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 

@@ -6,7 +6,7 @@
 #include "bench/plot.h"
 #include "bench/three_ways.h"
 #include "calot/mesh/parts.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot::bench {
 namespace {

@@ -16,3 +16,12 @@ find_package(HDF5 1.10 REQUIRED COMPONENTS C)
 find_package(CGAL 5.5 REQUIRED)
 calot_find_blas_and_cholmod()
 calot_find_itk()
+
+# What the view, sounds and devices stand on.
+find_package(PkgConfig REQUIRED)
+find_package(glm REQUIRED)
+pkg_check_modules(SDL2 REQUIRED IMPORTED_TARGET sdl2)
+pkg_check_modules(EPOXY REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(EGL REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(IMGUI REQUIRED IMPORTED_TARGET imgui)
+pkg_check_modules(OPENAL REQUIRED IMPORTED_TARGET openal)

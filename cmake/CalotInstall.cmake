@@ -1,5 +1,5 @@
-# `cmake --install` and `find_package(calot)`. The rooms of calot::calot are always there; patient and view, which need
-# more libraries, are components: find_package(calot COMPONENTS patient view).
+# `cmake --install` and `find_package(calot)`. The rooms of calot::calot are always there; patient and picture, which need
+# more libraries, are components: find_package(calot COMPONENTS patient picture).
 include(CMakePackageConfigHelpers)
 
 set(calot_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/calot)
@@ -24,10 +24,10 @@ endfunction()
 
 function(calot_install)
   get_property(rooms GLOBAL PROPERTY CALOT_ROOMS)
-  list(REMOVE_ITEM rooms calot_image calot_patient calot_scene calot_view)
+  list(REMOVE_ITEM rooms calot_image calot_patient calot_scene calot_picture calot_view calot_sound calot_device)
   calot_install_targets(calotTargets ${rooms} calot)
   calot_install_targets(calotPatientTargets calot_image calot_patient calot_scene)
-  calot_install_targets(calotViewTargets calot_view)
+  calot_install_targets(calotPictureTargets calot_picture)
   calot_install_headers()
   configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/calotConfig.cmake.in
     ${PROJECT_BINARY_DIR}/calotConfig.cmake INSTALL_DESTINATION ${calot_package_dir})

@@ -15,8 +15,10 @@ ALLOWED = {room: set(LINE[:i]) for i, room in enumerate(LINE)}
 ALLOWED["image"] = {"base", "mesh"}
 ALLOWED["patient"] = {"base", "mesh", "image"}
 ALLOWED["scene"] = {"base", "mesh", "fem", "compliance", "cut", "contact", "sim", "image", "patient"}
-ALLOWED["device"] = {"base"} | set(LINE)
-ALLOWED["view"] = {"base"} | set(LINE)
+ALLOWED["device"] = {"base"} | set(LINE[:LINE.index("trainer")])
+ALLOWED["picture"] = {"base", "mesh"}
+ALLOWED["view"] = ALLOWED["scene"] | {"scene", "picture"}
+ALLOWED["sound"] = {"base"}
 
 SOURCES = {".h", ".cpp"}
 TEXTS = SOURCES | {".md", ".txt", ".cmake", ".py", ".sh", ".json", ".bib", ".toml", ".in", ""}

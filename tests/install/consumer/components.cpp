@@ -1,7 +1,7 @@
 // Uses the two components that need more libraries, so that linking proves they are found.
 #include <calot/image/label_map.h>
 #include <calot/mesh/surface.h>
-#include <calot/view/picture.h>
+#include <calot/picture/picture.h>
 
 #include <exception>
 #include <iostream>

@@ -1,11 +1,11 @@
-#include "calot/view/raster.h"
+#include "calot/picture/raster.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "calot/base/parallel.h"
-#include "calot/view/color.h"
-#include "calot/view/shading.h"
+#include "calot/picture/color.h"
+#include "calot/picture/shading.h"
 
 namespace calot::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "calot/view/slices.h"
+#include "calot/picture/slices.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/parallel.h"
-#include "calot/view/canvas.h"
+#include "calot/picture/canvas.h"
 
 namespace calot {
 namespace {
@@ -19,7 +19,7 @@ constexpr double outline_width = 1.6;    // pixels
 constexpr std::size_t ring_points = 16;  // where the outline looks for another label
 
 void check(const SliceView& slice, const SliceOptions& options) {
-  const auto wrong = [](const std::string& what) { throw InputError("slice", what, "see calot/view/slices.h"); };
+  const auto wrong = [](const std::string& what) { throw InputError("slice", what, "see calot/picture/slices.h"); };
   if (slice.columns < 1 || slice.rows < 1) wrong("there are no values");
   const std::size_t count = static_cast<std::size_t>(slice.columns) * static_cast<std::size_t>(slice.rows);
   if (slice.grey.size() != count)

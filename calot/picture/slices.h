@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 

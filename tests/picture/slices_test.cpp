@@ -1,5 +1,5 @@
 // CT slices with outlines.
-#include "calot/view/slices.h"
+#include "calot/picture/slices.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "calot/view/glyphs.h"
+#include "calot/picture/glyphs.h"
 
 #include <algorithm>
 #include <cstdint>

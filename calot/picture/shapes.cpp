@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 namespace {

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
-#include "calot/view/camera.h"
-#include "calot/view/picture.h"
+#include "calot/picture/camera.h"
+#include "calot/picture/picture.h"
 
 namespace calot::detail {
 

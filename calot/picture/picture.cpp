@@ -1,4 +1,4 @@
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <set>
 
 #include "calot/base/error.h"
-#include "calot/view/canvas.h"
-#include "calot/view/color.h"
-#include "calot/view/raster.h"
-#include "calot/view/scene.h"
+#include "calot/picture/canvas.h"
+#include "calot/picture/color.h"
+#include "calot/picture/raster.h"
+#include "calot/picture/scene.h"
 
 namespace calot {
 namespace {

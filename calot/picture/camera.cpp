@@ -1,4 +1,4 @@
-#include "calot/view/camera.h"
+#include "calot/picture/camera.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

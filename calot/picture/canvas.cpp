@@ -1,9 +1,9 @@
-#include "calot/view/canvas.h"
+#include "calot/picture/canvas.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "calot/view/glyphs.h"
+#include "calot/picture/glyphs.h"
 
 namespace calot::detail {
 

@@ -4,7 +4,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/files.h"
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot {
 

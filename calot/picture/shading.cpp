@@ -1,4 +1,4 @@
-#include "calot/view/shading.h"
+#include "calot/picture/shading.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "calot/view/color.h"
+#include "calot/picture/color.h"
 
 #include <algorithm>
 #include <cmath>

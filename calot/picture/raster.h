@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "calot/view/scene.h"
+#include "calot/picture/scene.h"
 
 namespace calot::detail {
 

@@ -1,4 +1,4 @@
-#include "calot/view/scene.h"
+#include "calot/picture/scene.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "calot/base/error.h"
 #include "calot/base/parallel.h"
-#include "calot/view/color.h"
+#include "calot/picture/color.h"
 
 namespace calot::detail {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr double crease_cosine = 0.6;  // edges sharper than about 53° stay sharp
 
 [[noreturn]] void wrong(std::size_t item, const std::string& what) {
-  throw InputError("picture item " + std::to_string(item), what, "see calot/view/picture.h");
+  throw InputError("picture item " + std::to_string(item), what, "see calot/picture/picture.h");
 }
 
 /// Whether values numbered like this many things belong to the surface's vertices or, through it, to the mesh's.

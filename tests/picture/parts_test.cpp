@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "calot/view/camera.h"
-#include "calot/view/canvas.h"
-#include "calot/view/color.h"
-#include "calot/view/glyphs.h"
+#include "calot/picture/camera.h"
+#include "calot/picture/canvas.h"
+#include "calot/picture/color.h"
+#include "calot/picture/glyphs.h"
 
 namespace calot::detail {
 namespace {

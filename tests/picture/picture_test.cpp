@@ -1,5 +1,5 @@
 // What a picture must show, checked on its pixels.
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 #include <gtest/gtest.h>
 #include <png.h>

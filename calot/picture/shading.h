@@ -1,6 +1,6 @@
 // Inside this room only: how a point of tissue looks.
 #pragma once
-#include "calot/view/camera.h"
+#include "calot/picture/camera.h"
 
 namespace calot::detail {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <string_view>
 
-#include "calot/view/picture.h"
+#include "calot/picture/picture.h"
 
 namespace calot::detail {
 
