@@ -30,6 +30,7 @@ struct ModelPart {
   std::vector<Vec3f> positions;     ///< n [m]
   std::vector<Vec3f> normals;       ///< n, unit, outwards
   std::vector<Vec3f> grains;        ///< n, unit, across the normal: the way the fine lines run
+  std::vector<float> openness;      ///< n, 1: open to the light; towards 0: inside a bore, a slot, a groove
   std::vector<Triangle> triangles;  ///< of vertices, counter-clockwise from outside
 };
 
