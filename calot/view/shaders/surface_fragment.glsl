@@ -1,0 +1,63 @@
+// Tissue (TISSUE, LOOK, CUT, MASK), instruments (INSTRUMENT) and the cavity's wall (CAVITY) under the lamp. LITE: the
+// final colour at once; else light for the passes that follow.
+#include "frame.glsl"
+#include "material.glsl"
+#include "light.glsl"
+#include "tone.glsl"
+#include "bump.glsl"
+#ifdef TISSUE
+#include "tissue.glsl"
+in vec4 condition;
+in vec3 rest, rest_normal;
+#ifdef MASK
+uniform sampler3D mask_volume;
+uniform vec3 mask_origin, mask_scale;
+#endif
+#endif
+#ifdef INSTRUMENT
+#include "steel.glsl"
+uniform int substance;
+in vec3 model_position, grain;
+#endif
+#ifdef CAVITY
+#include "cavity.glsl"
+#endif
+in vec3 position, normal;
+#ifndef LITE
+uniform sampler2D ambient_map;
+#endif
+out vec4 color;
+
+Material material_here(vec3 n) {
+#ifdef TISSUE
+#ifdef MASK
+  vec4 mask = texture(mask_volume, (rest - mask_origin) * mask_scale);
+#else
+  vec4 mask = vec4(0.0);
+#endif
+#ifdef LITE
+  return tissue(LOOK, CUT, rest, normalize(rest_normal), condition, mask, true);
+#else
+  return tissue(LOOK, CUT, rest, normalize(rest_normal), condition, mask, false);
+#endif
+#elif defined(INSTRUMENT)
+  return steel(substance, model_position, grain);
+#else
+  return cavity_wall(position, n);
+#endif
+}
+
+void main() {
+  vec3 smooth_normal = normalize(normal);
+  if (!gl_FrontFacing) smooth_normal = -smooth_normal;
+  Material m = material_here(smooth_normal);
+  vec3 n = bumped(position, smooth_normal, m.height);
+#ifdef LITE
+  vec3 lit = shade(m, n, position, smooth_normal, 1.0) * eye.w;
+  float radius = length(gl_FragCoord.xy - 0.5 * viewport.xy) * scope.y;
+  color = vec4(screen_value(tone_curve(lit)) * field_edge(radius), 1.0);
+#else
+  float open = texture(ambient_map, gl_FragCoord.xy * viewport.zw).r;
+  color = vec4(min(shade(m, n, position, smooth_normal, open) * eye.w, vec3(200.0)), 1.0);
+#endif
+}
