@@ -1,19 +1,102 @@
-// Tissue's looks, plain: one colour each.
+// What tissue looks like at a point of its rest shape, so that motion and cuts leave it alone. Textures come from
+// calot/view/textures.h, recipes from looks.glsl.
+#include "noise.glsl"
+#include "looks.glsl"
+
+uniform sampler3D tissue_noise;   // lobules, pillows, clouds, strands
+uniform sampler2D tissue_detail;  // vessels: wide, fine, the flush around them; grain
+
+const float mm = 1e-3;
+const float detail_tile = 27.0 * mm;
+
+// sRGB to linear light: a cubic that is right within 0.003.
+vec3 linear_light(vec3 c) { return c * (c * (c * 0.3053 + 0.6822) + 0.0125); }
+
+// A bruise shines blue through the surface; where no blood flows it is pale.
+void bruise_and_blanch(inout Material m, float bruised, float blanched, vec4 s, vec4 large) {
+  bruised *= smoothstep(0.25, 0.75, 0.6 * large.b + 0.5 * s.b);
+  m.base = mix(m.base, vec3(0.085, 0.035, 0.09) + 0.25 * m.base, 0.8 * bruised);
+  float light = dot(m.base, vec3(0.3, 0.6, 0.1));
+  m.base = mix(m.base, mix(vec3(light), vec3(0.62, 0.50, 0.40), 0.55), 0.6 * blanched);
+}
+
+// Boiled tissue: grey-tan, dull, a little shrunken.
+void coagulate(inout Material m, float coagulated, vec4 s) {
+  float cooked = ragged(coagulated, s.b, 0.15, 0.75);
+  float light = dot(m.base, vec3(0.3, 0.6, 0.1));
+  vec3 tan_grey = mix(vec3(0.36, 0.27, 0.18), vec3(0.60, 0.53, 0.42), smoothstep(0.25, 0.8, s.b));
+  tan_grey *= 0.75 + 0.5 * sqrt(light);
+  m.base = mix(m.base, tan_grey, 0.88 * cooked);
+  m.subsurface *= 1.0 - 0.6 * cooked;
+  m.roughness = mix(m.roughness, 0.72, cooked);
+  m.coat *= 1.0 - 0.75 * cooked;
+  m.coat_roughness = mix(m.coat_roughness, 0.4, cooked);
+  m.height += cooked * mm * (0.10 * s.r + 0.06 * s.a - 0.15);
+}
+
+// A dull brown-black crust with fine cracks; never quite black.
+void char_over(inout Material m, float charred, vec4 s) {
+  charred = ragged(charred, s.b, 0.2, 0.7);
+  float crack = smoothstep(0.35, 0.0, s.r);
+  vec3 crust = mix(vec3(0.016, 0.011, 0.008), vec3(0.055, 0.034, 0.020), smoothstep(0.35, 0.75, s.b));
+  m.base = mix(m.base, mix(crust, vec3(0.10, 0.045, 0.02), 0.5 * crack), charred);
+  m.subsurface *= 1.0 - charred;
+  m.roughness = mix(m.roughness, 0.92, charred);
+  m.coat *= 1.0 - charred;
+  m.height += charred * mm * (0.18 * s.r + 0.14 * s.b);
+}
+
+// Blood or bile: lets the tissue through where thin, stands over it where thick, and shines.
+void film_over(inout Material m, float mask, float noise, vec3 through, vec3 deep) {
+  float film = ragged(mask, noise, 0.18, 0.34);
+  float thick = film * smoothstep(0.2, 1.0, mask + 0.25 * (noise - 0.5));
+  vec3 clear = mix(vec3(1.0), through * (1.0 - thick), film);
+  m.base = m.base * clear + deep * (1.0 - clear);
+  m.subsurface *= 1.0 - 0.7 * film;
+  m.roughness = mix(m.roughness, 0.35, film);
+  m.coat = mix(m.coat, 1.0, film);
+  m.coat_roughness = mix(m.coat_roughness, 0.10, film);
+  m.height = mix(m.height, 0.25 * m.height, thick) + mm * (0.06 * film + 0.22 * thick);
+  m.ao = mix(m.ao, 1.0, film);
+}
+
+// look, cut: constants. rest [m], rest_normal unit, in the rest shape. condition: coagulated, charred, blanched, bruised;
+// mask: blood, char, bile, wet; each 0 ... 1. lite: a constant; one plane of vessels instead of three.
 Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition, vec4 mask, bool lite) {
-  vec3 colors[8] = vec3[8](vec3(0.50, 0.22, 0.18), vec3(0.20, 0.045, 0.035), vec3(0.30, 0.36, 0.20),
-                           vec3(0.56, 0.42, 0.26), vec3(0.60, 0.16, 0.13), vec3(0.72, 0.52, 0.22),
-                           vec3(0.55, 0.30, 0.25), vec3(0.60, 0.28, 0.24));
+  Recipe r;
+  if (cut) r = cut_recipe(look); else r = outside_recipe(look);
+
+  vec3 turned = turned_lattice * rest;
+  vec4 s = texture(tissue_noise, turned / (r.tile * mm));
+  vec4 large = texture(tissue_noise, turned.zxy / (r.large * mm) + 0.13);
+  vec4 v = vec4(0.0, 0.0, 0.0, 0.5);
+  if (r.vessels.x > 0.0 || r.grain > 0.0) {
+    vec3 at = rest / detail_tile;
+    v = lite ? laid_on_nearest_plane(tissue_detail, at, rest_normal) : laid_on_planes(tissue_detail, at, rest_normal);
+  }
+
+  float pattern = clamp(dot(r.pattern, s - 0.5) + r.bias, 0.0, 1.0);
+  vec3 color = mix(r.low, r.high, pattern);
+  color = mix(color, r.patch_color, r.patches * smoothstep(0.3, 0.7, large.b));
+  float marks = dot(r.vessels, v.rgb) + r.dots * smoothstep(0.70, 0.9, s.g) + r.strands * s.a;
+  color = mix(color, r.mark, min(marks, 0.9));
+
   Material m;
-  m.base = cut ? mix(colors[look], vec3(0.45, 0.06, 0.05), 0.6) : colors[look];
-  m.base = mix(m.base, vec3(0.70, 0.62, 0.52), condition.x);
-  m.base = mix(m.base, vec3(0.02), condition.y);
-  m.base = mix(m.base, vec3(0.30, 0.005, 0.005), mask.x);
-  m.roughness = 0.5;
-  m.coat = 1.0 - condition.y;
-  m.coat_roughness = 0.2;
-  m.subsurface = vec3(0.35, 0.12, 0.08);
-  m.height = 0.0;
+  m.base = linear_light(color);
+  m.roughness = r.roughness;
+  m.coat = r.coat;
+  m.coat_roughness = r.coat_roughness;
+  m.subsurface = r.subsurface;
+  m.height = mm * (dot(r.relief, s) + r.grain * v.a + 0.05 * r.vessels.x * v.r);
   m.metal = 0.0;
   m.ao = 1.0;
+
+  bruise_and_blanch(m, condition.w, condition.z, s, large);
+  coagulate(m, condition.x, s);
+  char_over(m, max(condition.y, mask.y), s);
+  film_over(m, mask.z, s.b, vec3(0.62, 0.55, 0.08), vec3(0.16, 0.13, 0.008));
+  film_over(m, mask.x, s.b, vec3(0.55, 0.05, 0.035), vec3(0.115, 0.004, 0.003));
+  m.coat = mix(m.coat, 1.0, 0.8 * mask.w);
+  m.coat_roughness = mix(m.coat_roughness, 0.12, 0.7 * mask.w);
   return m;
 }
