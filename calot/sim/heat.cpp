@@ -128,9 +128,9 @@ void TissueHeat::sum_vertices(const TetMesh& mesh) {
 double TissueHeat::dry_energy(TetId tet, const Tet& corners) const {
   const Element& e = elements_[tet.index()];
   const TissueProperties& tissue = kinds_[e.kind];
-  double mean = 0;
-  for (const VertexId v : corners) mean += excess_[v.index()] / 4;
-  const double to_heat = std::max(0.0, tissue.vaporisation_temperature - options_.body_temperature - mean);
+  const double boiling = tissue.vaporisation_temperature - options_.body_temperature;
+  double to_heat = 0;  // a corner that is too hot has yet to warm the others
+  for (const VertexId v : corners) to_heat += std::max(0.0, boiling - heated_to(v.index())) / 4;
   return tissue.density * e.volume * (tissue.latent_heat + tissue.specific_heat * to_heat) - dried_[tet.index()];
 }
 
@@ -175,23 +175,42 @@ void TissueHeat::place_sources(double dt, std::span<const HeatSource> sources, c
   }
   for (const HeatSource& source : sources) {
     detail::heated_tets(mesh, positions, source.place, source.radius, conductance_, heated_);
-    const double power = source.power * source.efficiency;
-    if (heated_.empty() || power == 0) continue;
-    report_.delivered += power;
-    ledger_.supplied += power * dt;
-    const double left = source.cutting > 0 ? cut_into(mesh, source.cutting * power * dt) / dt : 0;
-    const double warming = (1 - source.cutting) * power + left;
-    for (const detail::HeatedTet& heated : heated_)
-      for (std::size_t c = 0; c < 4; ++c) {
-        const VertexId v = mesh.tet(heated.tet)[c];
-        heating_[v.index()] += warming * heated.share[c];
-        activate(mesh, v);
-      }
+    const double energy = source.power * source.efficiency * dt;
+    if (heated_.empty() || energy == 0) continue;
+    const double left = cut_into(mesh, source.cutting * energy + warm(mesh, (1 - source.cutting) * energy));
+    report_.delivered += source.power * source.efficiency - left / dt;
+    ledger_.supplied += energy - left;
   }
 }
 
-/// Boils the touched tets one after another, the nearest first. @return the energy that none of them could take [J]
+/// Warms the touched tets' corners as far as the boiling point, and dries the tets with the rest of their shares.
+/// @return the energy that tets have left because they are dry [J]
+double TissueHeat::warm(const TetMesh& mesh, double energy) {
+  for (detail::HeatedTet& heated : heated_) {
+    heated.rest = 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const VertexId v = mesh.tet(heated.tet)[c];
+      const Vertex& vertex = vertices_[v.index()];
+      const double part = energy * heated.share[c];
+      const double warmth = std::clamp(vertex.capacity * (vertex.boiling - heated_to(v.index())), 0.0, part);
+      heating_[v.index()] += warmth;
+      heated.rest += part - warmth;
+      activate(mesh, v);
+    }
+  }
+  double left = 0;
+  for (const detail::HeatedTet& heated : heated_) {
+    const double part = std::clamp(dry_energy(heated.tet, mesh.tet(heated.tet)), 0.0, heated.rest);
+    dried_[heated.tet.index()] += part;
+    left += heated.rest - part;
+  }
+  return left;
+}
+
+/// Boils the touched tets one after another, the nearest first. @return the energy that none of them could take [J]:
+/// through dry tissue no current passes
 double TissueHeat::cut_into(const TetMesh& mesh, double energy) {
+  if (energy <= 0) return 0;
   std::sort(heated_.begin(), heated_.end(), [](const detail::HeatedTet& a, const detail::HeatedTet& b) {
     return a.distance != b.distance ? a.distance < b.distance : a.tet < b.tet;
   });
@@ -270,7 +289,7 @@ void TissueHeat::solve(const TetMesh& mesh, double dt) {
   multiply(mesh, dt, excess_, q);
   double scale = 0, rho = 0;
   over([&](std::uint32_t v) {
-    const double right = vertices_[v].capacity / dt * excess_[v] + heating_[v];
+    const double right = (vertices_[v].capacity * excess_[v] + heating_[v]) / dt;
     r[v] = right - q[v];
     p[v] = inverse_[v] * r[v];
     x[v] = excess_[v];
@@ -308,7 +327,7 @@ void TissueHeat::conduct(const TetMesh& mesh, double dt) {
     const double flow = product_[v] - (vertex.capacity / dt + diagonal_[v]) * now;
     ledger_.perfused += perfused;
     ledger_.exchanged += exchanged;
-    excess_[v] += (dt * (heating_[v] - flow) - perfused - exchanged) / vertex.capacity;
+    excess_[v] += (heating_[v] - dt * flow - perfused - exchanged) / vertex.capacity;
   }
 }
 

@@ -38,7 +38,7 @@ struct HeatLedger {
 };
 
 struct HeatStep {
-  double delivered = 0;  ///< power that reached tissue [W]
+  double delivered = 0;  ///< power that tissue took: less than set once all that is touched is dry [W]
   double hottest = 0;    ///< [°C], body temperature where nothing is hot
   std::size_t active_tets = 0;
   int iterations = 0;
@@ -52,6 +52,7 @@ struct HeatedTet {
   TetId tet;
   std::array<double, 4> share{};  ///< of the power, to the tet's corners; all shares of a source together are 1
   double distance = 0;            ///< from the source to the tet's middle [m]
+  double rest = 0;                ///< of its energy, once its corners boil [J]
 };
 }  // namespace detail
 
@@ -98,10 +99,12 @@ class TissueHeat {
   [[nodiscard]] Element element(const TetMesh& mesh, TetId tet) const;
   void measure_surface(const TetMesh& mesh, TetId tet);
   void sum_vertices(const TetMesh& mesh);
+  [[nodiscard]] double heated_to(std::size_t v) const { return excess_[v] + heating_[v] / vertices_[v].capacity; }
   [[nodiscard]] double dry_energy(TetId tet, const Tet& corners) const;
   [[nodiscard]] double corner_energy(TetId tet, const Tet& corners) const;
   void place_sources(double dt, std::span<const HeatSource> sources, const TetMesh& mesh,
                      std::span<const Vec3> positions);
+  double warm(const TetMesh& mesh, double energy);
   double cut_into(const TetMesh& mesh, double energy);
   void activate(const TetMesh& mesh, VertexId v);
   void settle_active(const TetMesh& mesh);
@@ -133,7 +136,7 @@ class TissueHeat {
   std::uint64_t steps_ = 0;
 
   HeatStep report_;  // and what a step needs, kept so that it doesn't allocate
-  std::vector<double> heating_, solution_, residual_, direction_, product_, diagonal_, inverse_, conductance_;
+  std::vector<double> heating_ /* [J] */, solution_, residual_, direction_, product_, diagonal_, inverse_, conductance_;
   std::vector<std::uint8_t> tet_is_active_, vertex_is_active_, harmed_;
   std::vector<detail::HeatedTet> heated_;
 };

@@ -53,7 +53,7 @@ void TissueHeat::carry_tets(const Remap& remap, const TetMesh& mesh) {
   level_ = std::move(level);
 }
 
-/// Shapes and bare faces that the edit changed.
+/// Shapes and bare faces that the edit changed. A tet in a new shape is as dry as before.
 void TissueHeat::measure_again(const Remap& remap, const TetMesh& mesh) {
   const auto for_each_around = [&](VertexId v, const auto& body) {
     for (std::uint32_t k = around_.start[v.index()]; k < around_.start[v.index() + 1]; ++k) body(around_.tets[k]);
@@ -66,7 +66,11 @@ void TissueHeat::measure_again(const Remap& remap, const TetMesh& mesh) {
   for (const VertexId v : remap.added_vertices) mark(v, 1);
   for (const MovedVertex& moved : remap.moved) mark(remap.vertex_to_new[moved.vertex.index()], 2);
   for (std::size_t t = 0; t < stale.size(); ++t) {
-    if (stale[t] == 2) elements_[t] = element(mesh, TetId(t));
+    if (stale[t] == 2) {
+      const double volume = elements_[t].volume;
+      elements_[t] = element(mesh, TetId(t));
+      dried_[t] *= elements_[t].volume / volume;
+    }
     if (stale[t] > 0) measure_surface(mesh, TetId(t));
   }
 }

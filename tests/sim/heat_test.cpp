@@ -167,6 +167,48 @@ TEST(TissueHeat, WaterHoldsTheBoilingPointUntilItIsGone) {
   EXPECT_LT(balance_error(heat), 1e-12);
 }
 
+TEST(TissueHeat, AScrapTakesWhatDriesItAndTheRestIsNotDelivered) {
+  // The whole power of a generator on a scrap that a hundredth of a second could boil away many times over.
+  const TetMesh mesh = test::box_mesh(2, 1, 1, {0.4e-3, 0.2e-3, 0.2e-3});
+  const TissueProperties tissue = plain();
+  for (const double cutting : {0.0, 0.5, 1.0}) {
+    TissueHeat heat(mesh, {{1, tissue}}, closed());
+    HeatSource source;
+    source.place = {0.05e-3, 0.1e-3, 0.05e-3};
+    source.radius = 1e-3;
+    source.power = 200;
+    source.efficiency = 1;
+    source.cutting = cutting;
+    const double needed = 1000 * 16e-12 * (tissue.latent_heat + 3600 * 63);
+    double delivered = 0;
+    std::size_t vaporised = 0;
+    for (int s = 0; s < 10; ++s) {  // nobody removes what is dry
+      const HeatStep& now = heat.step(0.01, {&source, 1}, mesh, mesh.positions);
+      delivered += 0.01 * now.delivered;
+      vaporised = now.vaporised.size();
+      EXPECT_LE(now.hottest, 100 + 1e-9) << cutting << ", step " << s;
+      EXPECT_LT(balance_error(heat), 1e-12);
+    }
+    EXPECT_EQ(vaporised, mesh.tet_count());
+    EXPECT_NEAR(delivered, needed, 1e-9 * needed);
+    EXPECT_NEAR(heat.ledger().supplied, needed, 1e-9 * needed);
+  }
+}
+
+TEST(TissueHeat, AHotCornerBoilsItsTetsBeforeItsHeatHasWarmedTheirOtherCorners) {
+  const TetMesh mesh = test::box_mesh(1, 1, 1, {2e-3, 2e-3, 2e-3});
+  const TissueProperties tissue = plain();
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+    TissueHeat heat(mesh, {{1, tissue}}, closed());
+    // Dries the tets around, of which it is a quarter of the capacity, but for half of what warms their other corners.
+    heat.set_temperature(VertexId(v), body + 4 * tissue.latent_heat / 3600 + 2.5 * 63);
+    const HeatStep& now = heat.step(1e-6, {}, mesh, mesh.positions);
+    EXPECT_LE(now.hottest, 100 + 1e-9);
+    EXPECT_TRUE(now.vaporised.empty());
+    EXPECT_LT(balance_error(heat), 1e-12);
+  }
+}
+
 TEST(TissueHeat, CuttingCurrentBoilsTheNearestTetFirst) {
   const TetMesh mesh = test::box_mesh(8, 8, 8, {0.02, 0.02, 0.02});
   const TissueProperties tissue = plain();
@@ -306,6 +348,28 @@ TEST(TissueHeat, SplittingATetConservesEnergyAndMovingAVertexIsBooked) {
   mesh.positions[a.index()] = move.moved[0].position;
   heat.follow(remap, mesh, vertex_tets(mesh));
   for (int s = 0; s < 100; ++s) heat.step(0.016, {}, mesh, mesh.positions);
+  EXPECT_LT(balance_error(heat), 1e-12);
+}
+
+TEST(TissueHeat, ATetThatAMovedVertexShrinksIsNoDrierThanBefore) {
+  TetMesh mesh = test::box_mesh(1, 1, 1, {2e-3, 2e-3, 2e-3});
+  TissueHeat heat(mesh, {{1, plain()}}, closed());
+  HeatSource source;
+  source.place = {1e-3, 1e-3, 1e-3};
+  source.radius = 0.1;  // even heating
+  source.efficiency = 1;
+  source.power = 0.7 * 1000 * 8e-9 * (plain().latent_heat + 3600 * 63);  // 70 % of what dries the cube in 1 s
+  for (int s = 0; s < 100; ++s) EXPECT_TRUE(heat.step(0.01, {&source, 1}, mesh, mesh.positions).vaporised.empty());
+  const TopologyEdit move{
+      .removed = {},
+      .vertices = {},
+      .tets = {},
+      .moved = {{VertexId(0), VertexId(1), 0.6, 0.4 * mesh.positions[0] + 0.6 * mesh.positions[1]}}};
+  const Remap remap = apply(mesh, move);
+  ASSERT_FALSE(remap.reshaped.empty());
+  heat.follow(remap, mesh, vertex_tets(mesh));
+  EXPECT_LT(heat.ledger().reshaped, 0);
+  for (int s = 0; s < 100; ++s) EXPECT_TRUE(heat.step(0.01, {}, mesh, mesh.positions).vaporised.empty());
   EXPECT_LT(balance_error(heat), 1e-12);
 }
 
