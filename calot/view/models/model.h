@@ -35,7 +35,7 @@ struct ModelPart {
 };
 
 /// The parts of an instrument; at most 15,000 triangles together. Where the simulation has a shape (jaws, tips, tube),
-/// the surface lies within 0.3 mm of it; the joint between shaft and jaws, within 0.5 mm.
+/// the surface lies within 0.3 mm of it; the joint between shaft and jaws, within 0.8 mm.
 std::vector<ModelPart> instrument_model(const InstrumentGeometry& geometry);
 
 /// The open clip in an applier's jaws, in the shaft's frame. It changes with `opening`, the angle of the jaws [rad].
