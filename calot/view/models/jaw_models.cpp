@@ -20,9 +20,10 @@ Parts shaft_with_joint(const InstrumentGeometry& geometry) {
   return parts;
 }
 
-void add_jaws(Parts& parts, const PlainMesh& a, const PlainMesh& b, ModelMaterial material) {
-  parts.push_back(finish(a, ModelFrame::jaw_a, material, usual_crease, grain_along_z));
-  parts.push_back(finish(b, ModelFrame::jaw_b, material, usual_crease, grain_along_z));
+void add_jaws(Parts& parts, const PlainMesh& a, const PlainMesh& b, ModelMaterial material,
+              double crease = usual_crease) {
+  parts.push_back(finish(a, ModelFrame::jaw_a, material, crease, grain_along_z));
+  parts.push_back(finish(b, ModelFrame::jaw_b, material, crease, grain_along_z));
 }
 
 /// The arm from the pin to where the face begins, as deep as the simulation's stem; from z = −0.5 mm to its end.
@@ -63,7 +64,7 @@ Eigen::Vector2d on_corner(const Window& w, int quarter, double share) {
 /// Once around, beginning at the foot of the rail at +x; teeth on rails and tip.
 std::vector<FramePlace> frame_places(const Window& outer, const Window& inner, double depth, bool shifted) {
   std::vector<FramePlace> places;
-  constexpr double pitch = 0.8 * mm;
+  constexpr double pitch = 0.8 * mm, foot_corner = 1.5 * mm;
   const auto rail = [&](double side, double from, double to) {
     const int count = 2 * static_cast<int>(std::abs(to - from) / pitch);
     for (int k = 0; k <= count; ++k) {
@@ -78,7 +79,9 @@ std::vector<FramePlace> frame_places(const Window& outer, const Window& inner, d
     constexpr int steps = 6;
     for (int k = 0; k <= steps; ++k) {
       const double share = static_cast<double>(k) / steps;
-      places.push_back({on_corner(outer, quarter, share), on_corner(inner, quarter, share), depth / 2});
+      Window rounded = outer;
+      if (quarter >= 2) rounded.corner = foot_corner;
+      places.push_back({on_corner(rounded, quarter, share), on_corner(inner, quarter, share), depth / 2});
     }
   };
   const double foot = inner.low + inner.corner + 0.2 * mm, head = inner.high - inner.corner - 0.2 * mm;
@@ -106,17 +109,17 @@ PlainMesh window_jaw(const InstrumentGeometry& g, bool shifted) {
     const Eigen::Vector2d middle = (place.outer + place.inner) / 2, half = (place.outer - place.inner) / 2;
     const double along = (middle.y() - outer.low) / (outer.high - outer.low);
     const double depth = (1.74 - 0.3 * along) * mm;  // slimmer towards the tip
-    const std::array<Eigen::Vector2d, 11> outline{{{0.58, -place.tooth},
+    const std::array<Eigen::Vector2d, 11> outline{{{0.66, -place.tooth},
                                                    {0, -place.tooth},
-                                                   {-0.58, -place.tooth},
-                                                   {-1, -0.3 * depth},
-                                                   {-1, -0.68 * depth},
-                                                   {-0.78, -0.9 * depth},
-                                                   {-0.4, -depth},
-                                                   {0.4, -depth},
-                                                   {0.78, -0.9 * depth},
-                                                   {1, -0.68 * depth},
-                                                   {1, -0.3 * depth}}};
+                                                   {-0.66, -place.tooth},
+                                                   {-1, -0.24 * depth},
+                                                   {-1, -0.7 * depth},
+                                                   {-0.86, -0.86 * depth},
+                                                   {-0.6, -depth},
+                                                   {0.6, -depth},
+                                                   {0.86, -0.86 * depth},
+                                                   {1, -0.7 * depth},
+                                                   {1, -0.24 * depth}}};
     Ring ring;
     for (const Eigen::Vector2d& p : outline)
       ring.emplace_back(middle.x() + p.x() * half.x(), p.y(), middle.y() + p.x() * half.y());
@@ -204,7 +207,7 @@ Parts bowel_grasper_model(const InstrumentGeometry& g) {
     return mesh;
   };
   add_jaws(parts, jaw(false, -0.95 * mm, -0.03 * mm), mirrored_in_y(jaw(true, 0.03 * mm, 0.95 * mm)),
-           ModelMaterial::brushed_steel);
+           ModelMaterial::brushed_steel, 0.4);
   return parts;
 }
 

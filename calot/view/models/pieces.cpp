@@ -1,6 +1,7 @@
 #include "calot/view/models/pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,41 +11,42 @@ namespace {
 constexpr double mm = model_mm;
 constexpr double pin_radius = 0.55 * mm;
 
-/// A cheek of the clevis at +x: flat inside at x = inner, arched outside.
-Ring cheek_ring(double z, double inner, double half_width, double thickness) {
-  Ring ring;
-  constexpr int steps = 10;
-  for (int k = 0; k <= steps; ++k) {
-    const double s = -1 + 2.0 * k / steps;
-    const double arch = k == 0 || k == steps ? 0.0 : std::sqrt(1 - s * s);
-    ring.emplace_back(inner + thickness * std::min(1.0, 0.25 + 0.75 * arch), half_width * s, z);
-    if (k == 0) ring.back().x() = inner + 0.05 * thickness;
-    if (k == steps) ring.back().x() = inner + 0.05 * thickness;
-  }
-  ring.emplace_back(inner, half_width * 0.94, z);
-  ring.emplace_back(inner, -half_width * 0.94, z);
-  return ring;
-}
+/// Across a cheek of the clevis at +x: what is left of a turned body of this radius beyond the plane x = inner, and a
+/// plate of that thickness and half width.
+struct Cheek {
+  double inner = 0, radius = 0, half_width = 0, plate = 0;
 
-/// Radius of the tube's rounded end at z.
-double dome_radius(const Tube& tube, double z) {
-  const double up = std::max(0.0, z - tube.shoulder);
-  return std::sqrt(std::max(0.0, tube.radius * tube.radius - up * up));
-}
+  [[nodiscard]] Ring at(double z) const {
+    const double turned = std::sqrt(std::max(0.0, radius * radius - inner * inner));
+    const double width = std::max(turned, half_width);
+    Ring ring{{inner, -width, z}};
+    constexpr int steps = 24;
+    for (int k = 0; k <= steps; ++k) {
+      const double y = width * std::sin(std::numbers::pi * (static_cast<double>(k) / steps - 0.5));
+      const double body = std::sqrt(std::max(0.0, radius * radius - y * y));
+      const double bevel = std::max(0.0, 0.12 * mm - (half_width - std::abs(y)));
+      const double flat = std::abs(y) <= half_width ? inner + plate - 0.8 * bevel : 0.0;
+      ring.emplace_back(std::max({body, flat, inner + 0.02 * mm}), y, z);
+    }
+    ring.emplace_back(inner, width, z);
+    return ring;
+  }
+};
 
 PlainMesh cheek(const Tube& tube, double inner, double outer) {
-  const double eye = 1.2 * mm, plate = outer - inner;
+  constexpr double eye = 1.2 * mm;
+  const double r = tube.radius, s = tube.shoulder, plate = outer - inner;
   std::vector<Ring> rings;
-  rings.push_back(cheek_ring(tube.shoulder - 0.6 * mm, inner, 0.9 * tube.radius, 0.9 * tube.radius - inner));
-  constexpr int steps = 9;
-  for (int k = 0; k <= steps; ++k) {
-    const double z = tube.shoulder + 0.2 * mm + k * (tube.end - 0.4 * mm - tube.shoulder) / steps;
-    const double r = std::max(0.97 * dome_radius(tube, z), outer);
-    const double width = std::sqrt(r * r - inner * inner);
-    rings.push_back(cheek_ring(z, inner, std::max(width, eye), r - inner));
-  }
-  for (const double angle : {-0.3, 0.0, 0.3, 0.6, 0.9, 1.15})
-    rings.push_back(cheek_ring(eye * std::sin(angle) - 0.1 * mm, inner, eye * std::cos(angle), plate));
+  // Cones inside the tube's round end, then the plate alone.
+  for (const auto& [radius, along] : {std::pair(0.95, -0.25), std::pair(0.95, 0.08), std::pair(0.94, 0.1),
+                                      std::pair(0.85, 0.5), std::pair(0.83, 0.53)})
+    rings.push_back(Cheek{inner, radius * r, eye, plate}.at(s + along * r));
+  for (const auto& [from, to, low, high] : {std::array{0.83, 0.66, 0.53, 0.73}, std::array{0.64, 0.38, 0.745, 0.92}})
+    for (const double share : {0.25, 0.5, 0.75, 1.0})
+      rings.push_back(
+          Cheek{inner, (from + share * (to - from)) * r, eye, plate}.at(s + (low + share * (high - low)) * r));
+  for (const double angle : {-0.2, 0.1, 0.4, 0.65, 0.9, 1.1, 1.25})
+    rings.push_back(Cheek{inner, 0, eye * std::cos(angle), plate}.at(eye * std::sin(angle) - 0.1 * mm));
   PlainMesh mesh;
   add_loft(mesh, rings);
   return mesh;
@@ -97,22 +99,24 @@ ModelPart insulated_tube(const Tube& tube, double end) {
 
 void add_clevis(Parts& parts, const Tube& tube, double start, double inner, double outer) {
   const double r = tube.radius;
-  const std::vector<Turned> profile{{0.9 * r, start},
-                                    {0.95 * r, start + 0.05 * r},
-                                    {0.95 * r, tube.shoulder - 0.4 * mm},
-                                    {0.9 * r, tube.shoulder - 0.2 * mm},
-                                    {0.9 * r, tube.shoulder}};
+  const std::vector<Turned> profile{{0.9 * r, start}, {0.965 * r, start + 0.05 * r}, {0.965 * r, tube.shoulder}};
   PlainMesh body;
   add_turned(body, profile, Vec3::Zero(), Vec3::UnitZ(), 48);
   set_openness(body, 0, [&](const Vec3& p) { return p.head<2>().norm() < 0.5 * r ? 0.3 : 1.0; });
   parts.push_back(finish(body, ModelFrame::shaft, ModelMaterial::brushed_steel, usual_crease, grain_round_z));
   PlainMesh cheeks = cheek(tube, inner, outer);
   append(cheeks, half_turned(cheeks));
+  // Between them, the rod that moves the jaws.
+  const double rod = 0.85 * inner;
+  const std::vector<Turned> rod_profile{
+      {rod, tube.shoulder - 0.5 * mm}, {rod, tube.end - 0.35 * mm}, {0.6 * rod, tube.end - 0.1 * mm}};
+  const std::size_t first = cheeks.positions.size();
+  add_turned(cheeks, rod_profile, Vec3::Zero(), Vec3::UnitZ(), 24);
+  set_openness(cheeks, first, [](const Vec3&) { return 0.4; });
   parts.push_back(finish(cheeks, ModelFrame::shaft, ModelMaterial::brushed_steel, usual_crease, grain_along_z));
-  const std::vector<Turned> pin{{0.8 * pin_radius, -outer - 0.1 * mm},
-                                {pin_radius, -outer - 0.04 * mm},
-                                {pin_radius, outer + 0.04 * mm},
-                                {0.8 * pin_radius, outer + 0.1 * mm}};
+  const std::vector<Turned> pin{
+      {0, -outer - 0.16 * mm},         {0.6 * pin_radius, -outer - 0.13 * mm}, {pin_radius, -outer - 0.02 * mm},
+      {pin_radius, outer + 0.02 * mm}, {0.6 * pin_radius, outer + 0.13 * mm},  {0, outer + 0.16 * mm}};
   PlainMesh mesh;
   add_turned(mesh, pin, Vec3::Zero(), Vec3::UnitX(), 20);
   parts.push_back(finish(mesh, ModelFrame::shaft, ModelMaterial::polished_steel, usual_crease,
