@@ -406,6 +406,7 @@ unsigned uploaded(GLenum target, const TextureBytes& t, bool lite) {
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
     glTexParameteri(target, axis, GL_REPEAT);
   glGenerateMipmap(target);
+  if (lite && target == GL_TEXTURE_3D) glTexParameteri(target, GL_TEXTURE_BASE_LEVEL, 1);  // fits a cache
   glBindTexture(target, 0);
   return name;
 }

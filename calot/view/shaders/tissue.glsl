@@ -13,8 +13,8 @@ const float detail_tile = 27.0 * mm;
 vec3 linear_light(vec3 c) { return c * (c * (c * 0.3053 + 0.6822) + 0.0125); }
 
 // A bruise shines blue through the surface; where no blood flows it is pale.
-void bruise_and_blanch(inout Material m, float bruised, float blanched, vec4 s, vec4 large) {
-  bruised *= smoothstep(0.25, 0.75, 0.6 * large.b + 0.5 * s.b);
+void bruise_and_blanch(inout Material m, float bruised, float blanched, vec4 s, float large) {
+  bruised *= smoothstep(0.25, 0.75, 0.6 * large + 0.5 * s.b);
   m.base = mix(m.base, vec3(0.085, 0.035, 0.09) + 0.25 * m.base, 0.8 * bruised);
   float light = dot(m.base, vec3(0.3, 0.6, 0.1));
   m.base = mix(m.base, mix(vec3(light), vec3(0.62, 0.50, 0.40), 0.55), 0.6 * blanched);
@@ -24,39 +24,40 @@ void bruise_and_blanch(inout Material m, float bruised, float blanched, vec4 s, 
 void coagulate(inout Material m, float coagulated, vec4 s) {
   float cooked = ragged(coagulated, s.b, 0.15, 0.75);
   float light = dot(m.base, vec3(0.3, 0.6, 0.1));
-  vec3 tan_grey = mix(vec3(0.36, 0.27, 0.18), vec3(0.60, 0.53, 0.42), smoothstep(0.25, 0.8, s.b));
-  tan_grey *= 0.75 + 0.5 * sqrt(light);
-  m.base = mix(m.base, tan_grey, 0.88 * cooked);
+  vec3 tan_grey = mix(vec3(0.25, 0.175, 0.115), vec3(0.50, 0.42, 0.32), smoothstep(0.2, 0.85, s.b));
+  tan_grey *= 0.7 + 0.5 * sqrt(light);
+  m.base = mix(m.base, tan_grey, 0.85 * cooked);
   m.subsurface *= 1.0 - 0.6 * cooked;
   m.roughness = mix(m.roughness, 0.72, cooked);
   m.coat *= 1.0 - 0.75 * cooked;
   m.coat_roughness = mix(m.coat_roughness, 0.4, cooked);
-  m.height += cooked * mm * (0.10 * s.r + 0.06 * s.a - 0.15);
+  m.height += cooked * mm * (0.04 * s.r + 0.05 * s.a + 0.16 * s.b - 0.15);
 }
 
-// A dull brown-black crust with fine cracks; never quite black.
+// A dull brown-black crust, crumbly and finely cracked; never quite black.
 void char_over(inout Material m, float charred, vec4 s) {
   charred = ragged(charred, s.b, 0.2, 0.7);
-  float crack = smoothstep(0.35, 0.0, s.r);
-  vec3 crust = mix(vec3(0.016, 0.011, 0.008), vec3(0.055, 0.034, 0.020), smoothstep(0.35, 0.75, s.b));
-  m.base = mix(m.base, mix(crust, vec3(0.10, 0.045, 0.02), 0.5 * crack), charred);
+  float crack = smoothstep(0.35, 0.95, s.a);
+  vec3 crust = mix(vec3(0.015, 0.010, 0.0075), vec3(0.060, 0.036, 0.022), smoothstep(0.35, 0.8, s.b + 0.12 * s.r));
+  m.base = mix(m.base, mix(crust, vec3(0.055, 0.022, 0.012), 0.6 * crack), charred);
   m.subsurface *= 1.0 - charred;
   m.roughness = mix(m.roughness, 0.92, charred);
   m.coat *= 1.0 - charred;
-  m.height += charred * mm * (0.18 * s.r + 0.14 * s.b);
+  m.height += charred * mm * (0.05 * s.r + 0.38 * s.b - 0.14 * crack);
 }
 
 // Blood or bile: lets the tissue through where thin, stands over it where thick, and shines.
-void film_over(inout Material m, float mask, float noise, vec3 through, vec3 deep) {
-  float film = ragged(mask, noise, 0.18, 0.34);
-  float thick = film * smoothstep(0.2, 1.0, mask + 0.25 * (noise - 0.5));
+// `through`: what a thin film lets through; `shallow`, `deep`: its own colour, thin and thick.
+void film_over(inout Material m, float mask, float noise, vec3 through, vec3 shallow, vec3 deep) {
+  float film = ragged(mask, noise, 0.18, 0.30);
+  float thick = film * smoothstep(0.25, 1.05, mask + 0.6 * (noise - 0.5));
   vec3 clear = mix(vec3(1.0), through * (1.0 - thick), film);
-  m.base = m.base * clear + deep * (1.0 - clear);
+  m.base = m.base * clear + mix(shallow, deep, thick) * (1.0 - clear);
   m.subsurface *= 1.0 - 0.7 * film;
   m.roughness = mix(m.roughness, 0.35, film);
   m.coat = mix(m.coat, 1.0, film);
   m.coat_roughness = mix(m.coat_roughness, 0.10, film);
-  m.height = mix(m.height, 0.25 * m.height, thick) + mm * (0.06 * film + 0.22 * thick);
+  m.height = mix(m.height, 0.3 * m.height, thick) + mm * (0.05 * film + 0.20 * thick);
   m.ao = mix(m.ao, 1.0, film);
 }
 
@@ -67,18 +68,17 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
   if (cut) r = cut_recipe(look); else r = outside_recipe(look);
 
   vec3 turned = turned_lattice * rest;
-  vec4 s = texture(tissue_noise, turned / (r.tile * mm));
-  vec4 large = texture(tissue_noise, turned.zxy / (r.large * mm) + 0.13);
+  vec4 s = texture(tissue_noise, turned * r.stretch / (r.tile * mm));
+  float large = patches_at(turned * (6.2832 / (r.large * mm)));
   vec4 v = vec4(0.0, 0.0, 0.0, 0.5);
-  if (r.vessels.x > 0.0 || r.grain > 0.0) {
-    vec3 at = rest / detail_tile;
-    v = lite ? laid_on_nearest_plane(tissue_detail, at, rest_normal) : laid_on_planes(tissue_detail, at, rest_normal);
+  if (r.vessels.x > 0.0 || (r.grain > 0.0 && !lite)) {
+    v = laid_on(tissue_detail, rest / detail_tile, rest_normal, !lite);
   }
 
   float pattern = clamp(dot(r.pattern, s - 0.5) + r.bias, 0.0, 1.0);
   vec3 color = mix(r.low, r.high, pattern);
-  color = mix(color, r.patch_color, r.patches * smoothstep(0.3, 0.7, large.b));
-  float marks = dot(r.vessels, v.rgb) + r.dots * smoothstep(0.70, 0.9, s.g) + r.strands * s.a;
+  color = mix(color, r.patch_color, r.patches * smoothstep(0.3, 0.7, large));
+  float marks = dot(r.vessels, v.rgb) + r.dots * smoothstep(0.86, 0.95, s.g) + r.strands * s.a;
   color = mix(color, r.mark, min(marks, 0.9));
 
   Material m;
@@ -87,15 +87,15 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
   m.coat = r.coat;
   m.coat_roughness = r.coat_roughness;
   m.subsurface = r.subsurface;
-  m.height = mm * (dot(r.relief, s) + r.grain * v.a + 0.05 * r.vessels.x * v.r);
+  m.height = mm * (dot(r.relief, s) + r.grain * v.a + 0.025 * r.vessels.x * v.r);
   m.metal = 0.0;
   m.ao = 1.0;
 
   bruise_and_blanch(m, condition.w, condition.z, s, large);
   coagulate(m, condition.x, s);
   char_over(m, max(condition.y, mask.y), s);
-  film_over(m, mask.z, s.b, vec3(0.62, 0.55, 0.08), vec3(0.16, 0.13, 0.008));
-  film_over(m, mask.x, s.b, vec3(0.55, 0.05, 0.035), vec3(0.115, 0.004, 0.003));
+  film_over(m, mask.z, s.b, vec3(0.72, 0.62, 0.12), vec3(0.20, 0.15, 0.010), vec3(0.115, 0.090, 0.006));
+  film_over(m, mask.x, s.b, vec3(0.60, 0.10, 0.08), vec3(0.13, 0.006, 0.005), vec3(0.045, 0.0022, 0.0024));
   m.coat = mix(m.coat, 1.0, 0.8 * mask.w);
   m.coat_roughness = mix(m.coat_roughness, 0.12, 0.7 * mask.w);
   return m;
