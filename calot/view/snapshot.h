@@ -85,6 +85,7 @@ struct Snapshot {
   std::vector<ClipSnapshot> clips;
   std::vector<FluidSnapshot> fluids;
   std::vector<WorldEvent> events;           ///< of the steps since the snapshot before
+  std::uint64_t first_event = 0;            ///< how many there were before those
   double blood_lost = 0, bile_spilled = 0;  ///< [m³]
 };
 

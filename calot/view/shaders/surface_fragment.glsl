@@ -15,9 +15,10 @@ uniform vec3 mask_origin, mask_scale;
 #endif
 #endif
 #ifdef INSTRUMENT
-#include "steel.glsl"
+#include "metal.glsl"
 uniform int substance;
-in vec3 model_position, grain;
+in vec3 own_position, own_grain, grain;
+in float openness;
 #endif
 #ifdef CAVITY
 #include "cavity.glsl"
@@ -28,6 +29,7 @@ uniform sampler2D ambient_map;
 #endif
 out vec4 color;
 
+#ifndef INSTRUMENT
 Material material_here(vec3 n) {
 #ifdef TISSUE
 #ifdef MASK
@@ -40,24 +42,30 @@ Material material_here(vec3 n) {
 #else
   return tissue(LOOK, CUT, rest, normalize(rest_normal), condition, mask, false);
 #endif
-#elif defined(INSTRUMENT)
-  return steel(substance, model_position, grain);
 #else
   return cavity_wall(position, n);
 #endif
 }
+#endif
+
+// Light that comes from here to the eye; `open`: how much of the surroundings is seen from here.
+vec3 light_here(float open) {
+  vec3 n = normalize(normal);
+  if (!gl_FrontFacing) n = -n;
+#ifdef INSTRUMENT
+  return metal_light(substance, n, position, normalize(grain), own_position, own_grain, open * openness);
+#else
+  Material m = material_here(n);
+  return shade(m, bumped(position, n, m.height), position, n, open);
+#endif
+}
 
 void main() {
-  vec3 smooth_normal = normalize(normal);
-  if (!gl_FrontFacing) smooth_normal = -smooth_normal;
-  Material m = material_here(smooth_normal);
-  vec3 n = bumped(position, smooth_normal, m.height);
 #ifdef LITE
-  vec3 lit = shade(m, n, position, smooth_normal, 1.0) * eye.w;
   float radius = length(gl_FragCoord.xy - 0.5 * viewport.xy) * scope.y;
-  color = vec4(screen_value(tone_curve(lit)) * field_edge(radius), 1.0);
+  color = vec4(screen_value(tone_curve(light_here(1.0) * eye.w)) * field_edge(radius), 1.0);
 #else
   float open = texture(ambient_map, gl_FragCoord.xy * viewport.zw).r;
-  color = vec4(min(shade(m, n, position, smooth_normal, open) * eye.w, vec3(200.0)), 1.0);
+  color = vec4(min(light_here(open) * eye.w, vec3(200.0)), 1.0);
 #endif
 }

@@ -13,9 +13,10 @@ out vec4 condition;
 out vec3 rest, rest_normal;
 #endif
 #ifdef INSTRUMENT
-layout(location = 5) in vec3 in_grain;
+layout(location = 5) in vec4 in_grain;  // w: openness
 uniform mat4 pose;
-out vec3 model_position, grain;
+out vec3 own_position, own_grain, grain;
+out float openness;
 #endif
 out vec3 position, normal;
 
@@ -28,10 +29,12 @@ void main() {
   rest_normal = in_rest_normal;
 #endif
 #ifdef INSTRUMENT
-  model_position = in_position;
+  own_position = in_position;
+  own_grain = in_grain.xyz;
   position = (pose * vec4(in_position, 1.0)).xyz;
   normal = mat3(pose) * in_normal;
-  grain = mat3(pose) * in_grain;
+  grain = mat3(pose) * in_grain.xyz;
+  openness = in_grain.w;
 #endif
 #ifdef SHADOW
   gl_Position = light_view_projection * vec4(position, 1.0);

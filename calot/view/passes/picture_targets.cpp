@@ -1,0 +1,29 @@
+#include "calot/view/passes/picture_targets.h"
+
+namespace calot::detail {
+
+PictureTargets::PictureTargets(int width_, int height_, int shadow_size_, bool lite)
+    : width(width_),
+      height(height_),
+      shadow_size(shadow_size_),
+      half_width((width_ + 1) / 2),
+      half_height((height_ + 1) / 2) {
+  shadow = make_texture(depth24, shadow_size, shadow_size, GL_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  shadow_target = make_framebuffer(0, shadow.number());
+  depth = make_texture(depth24, width, height, GL_NEAREST);
+  depth_target = make_framebuffer(0, depth.number());
+  color = make_texture(lite ? rgba8 : rgba16f, width, height, GL_LINEAR);
+  color_target = make_framebuffer(color.number(), depth.number());
+  light_target = make_framebuffer(color.number(), 0);
+  if (lite) return;
+  screen = make_texture(rgba8, width, height, GL_LINEAR);
+  screen_target = make_framebuffer(screen.number(), 0);
+  ambient = make_texture(r8, half_width, half_height, GL_LINEAR);
+  ambient_target = make_framebuffer(ambient.number(), 0);
+  ambient_smooth = make_texture(r8, half_width, half_height, GL_LINEAR);
+  smooth_target = make_framebuffer(ambient_smooth.number(), 0);
+}
+
+}  // namespace calot::detail

@@ -1,0 +1,10 @@
+# Writes a source file that holds shaders as text. SHADERS: their paths; OUT: where to.
+set(body "// Made from calot/view/shaders.\n#include \"calot/view/gl/shader_text.h\"\n\nnamespace calot::detail {\n\n")
+string(APPEND body "std::span<const ShaderText> shader_texts() {\n  static constexpr ShaderText texts[] = {\n")
+foreach(path IN LISTS SHADERS)
+  get_filename_component(name ${path} NAME)
+  file(READ ${path} text)
+  string(APPEND body "      {\"${name}\", R\"glsl(${text})glsl\"},\n")
+endforeach()
+string(APPEND body "  };\n  return texts;\n}\n\n}  // namespace calot::detail\n")
+file(WRITE ${OUT} "${body}")
