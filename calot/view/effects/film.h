@@ -7,7 +7,7 @@ namespace calot::detail {
 struct Liquid {
   double viscosity = 3.5e-3;  ///< [Pa s]
   double density = 1060;      ///< [kg/m³]
-  double tension = 0.056;     ///< against gas [N/m]
+  double tension = 0.056;     ///< against gas [N/m], [Hrncir1997]
 };
 
 /// Mean speed of a film of this thickness [m] under an acceleration along the surface [m/s²]: ρ a h² / (3 μ).

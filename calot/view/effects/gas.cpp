@@ -7,7 +7,7 @@
 namespace calot::detail {
 namespace {
 
-constexpr double extinction = 4400;      // of smoke that smoulders [m²/kg], [Mulholland2000]
+constexpr double extinction = 4400;      // of smoke that smoulders [m²/kg], [Seader1977]
 constexpr double joules_per_puff = 1.2;  // of smoke
 constexpr double steam_per_smoke = 2.0;  // as much more mass, which is gone in a moment; assumed
 constexpr double steam_life = 0.5;       // [s]
