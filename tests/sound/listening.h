@@ -23,24 +23,38 @@ inline double peak(std::span<const float> samples) {
   return most;
 }
 
-/// Amplitude of one frequency: the Goertzel sum, with a Hann window.
-inline double amplitude_at(std::span<const float> samples, double frequency) {
+/// Under a Hann window.
+inline std::vector<float> windowed(std::span<const float> samples) {
+  std::vector<float> out(samples.begin(), samples.end());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double along = static_cast<double>(i) / static_cast<double>(out.size());
+    out[i] *= static_cast<float>(0.5 - 0.5 * std::cos(2 * std::numbers::pi * along));
+  }
+  return out;
+}
+
+/// Amplitude of one frequency of windowed samples: the Goertzel sum.
+inline double goertzel(std::span<const float> samples, double frequency) {
   const double turn = 2 * std::numbers::pi * frequency / kSampleRate, coefficient = 2 * std::cos(turn);
   double s1 = 0, s2 = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const double along = static_cast<double>(i) / static_cast<double>(samples.size());
-    const double s0 = samples[i] * (0.5 - 0.5 * std::cos(2 * std::numbers::pi * along)) + coefficient * s1 - s2;
+  for (const float s : samples) {
+    const double s0 = s + coefficient * s1 - s2;
     s2 = s1;
     s1 = s0;
   }
   return 4 * std::sqrt(std::max(0.0, s1 * s1 + s2 * s2 - coefficient * s1 * s2)) / static_cast<double>(samples.size());
 }
 
+inline double amplitude_at(std::span<const float> samples, double frequency) {
+  return goertzel(windowed(samples), frequency);
+}
+
 /// The strongest frequency of a range, to 0.2 %.
 inline double strongest(std::span<const float> samples, double low, double high) {
+  const std::vector<float> window = windowed(samples);
   double best = low, most = 0;
   for (double f = low; f <= high; f *= 1.002) {
-    const double a = amplitude_at(samples, f);
+    const double a = goertzel(window, f);
     if (a > most) {
       most = a;
       best = f;
@@ -51,9 +65,9 @@ inline double strongest(std::span<const float> samples, double low, double high)
 
 /// Energy between two frequencies in the first tenth of a second, to compare with that of another range.
 inline double level_between(std::span<const float> samples, double low, double high) {
+  const std::vector<float> window = windowed(samples.subspan(0, std::min<std::size_t>(samples.size(), 4800)));
   double sum = 0;
-  const std::size_t part = std::min<std::size_t>(samples.size(), 4800);
-  for (double f = low; f < high; f *= 1.01) sum += std::pow(amplitude_at(samples.subspan(0, part), f), 2) * f;
+  for (double f = low; f < high; f *= 1.01) sum += std::pow(goertzel(window, f), 2) * f;
   return sum;
 }
 
