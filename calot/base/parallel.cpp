@@ -137,6 +137,11 @@ class Crew {
 };
 
 thread_local std::unique_ptr<Crew> background_crew;
+std::atomic<int> threads_in_background{0};
+
+void in_turn(std::size_t count, const std::function<void(std::size_t)>& body) {
+  for (std::size_t i = 0; i < count; ++i) body(i);
+}
 
 }  // namespace
 
@@ -157,6 +162,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   if (count == 0) return;
   if (count == 1) return body(0);
   if (background_crew) return background_crew->run(count, body);
+  if (const int background = threads_in_background; background > 0 && thread_count() - background < 2)
+    return in_turn(count, body);
   char begin = 0, end = 0;
   CALOT_COMES_BEFORE(&begin);
   current_arena().execute([&] {
@@ -178,12 +185,16 @@ void parallel_blocks(std::size_t count, std::size_t block,
   parallel_for(blocks, [&](std::size_t b) { body(b * block, std::min(count, (b + 1) * block), b); });
 }
 
-BackgroundLane::BackgroundLane() : niceness_before_(getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()))) {
+BackgroundLane::BackgroundLane(int threads)
+    : niceness_before_(getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()))),
+      threads_(threads > 0 ? threads : thread_count()) {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), background_niceness);
-  background_crew = std::make_unique<Crew>(thread_count() - 1);
+  background_crew = std::make_unique<Crew>(threads_ - 1);
+  threads_in_background += threads_;
 }
 
 BackgroundLane::~BackgroundLane() {
+  threads_in_background -= threads_;
   background_crew.reset();
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), niceness_before_);
 }

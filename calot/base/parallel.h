@@ -18,16 +18,18 @@ void parallel_blocks(std::size_t count, std::size_t block,
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// While one lives, the parallel loops of this thread run on threads of their own, and all of them give way to whoever
-/// else wants a core, so that background work never holds up the loops of others.
+/// else wants a core, so that background work never holds up the loops of others. Those keep to the cores that are
+/// left: to share a core with background work, and wait for what was begun there, costs more than it brings.
 class BackgroundLane {
  public:
-  BackgroundLane();
+  /// @param threads  for the loops of this thread, itself counted; 0: `thread_count()`
+  explicit BackgroundLane(int threads = 0);
   ~BackgroundLane();
   BackgroundLane(const BackgroundLane&) = delete;
   BackgroundLane& operator=(const BackgroundLane&) = delete;
 
  private:
-  int niceness_before_;
+  int niceness_before_, threads_;
 };
 
 }  // namespace calot

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "calot/compliance/blas.h"
+#include "calot/compliance/compact_factor.h"
 #include "calot/compliance/sparse_factor.h"
 
 namespace calot::detail {
@@ -87,31 +88,38 @@ void substitute_supernode(const Factor& factor, std::size_t s, Real* x, Real* wo
   std::copy_n(work, own, mine);
 }
 
+inline void eliminate_supernode(const CompactFactor& factor, std::size_t s, float* x, float* work) {
+  factor.eliminate(s, x, work);
+}
+inline void substitute_supernode(const CompactFactor& factor, std::size_t s, float* x, float* work) {
+  factor.substitute(s, x, work);
+}
+
 /// x ← L⁻¹ x for one vector, on one thread; `work` is grown once.
 template <class Real, class Factor>
 void forward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
-  work.resize(std::max(work.size(), factor.size()));
+  work.resize(std::max(work.size(), factor.size() + CompactFactor::slack));
   for (std::size_t s = 0; s < factor.pattern().supernodes(); ++s) eliminate_supernode(factor, s, x, work.data());
 }
 
 /// The same for x whose non-zeros all lie on a path.
 template <class Real, class Factor>
 void forward_vector(const Factor& factor, std::span<const std::uint32_t> path, Real* x, std::vector<Real>& work) {
-  work.resize(std::max(work.size(), factor.size()));
+  work.resize(std::max(work.size(), factor.size() + CompactFactor::slack));
   for (const std::uint32_t s : path) eliminate_supernode(factor, s, x, work.data());
 }
 
 /// x ← L⁻ᵀ x on a path's rows; others are not looked at.
 template <class Real, class Factor>
 void backward_vector(const Factor& factor, std::span<const std::uint32_t> path, Real* x, std::vector<Real>& work) {
-  work.resize(std::max(work.size(), factor.size()));
+  work.resize(std::max(work.size(), factor.size() + CompactFactor::slack));
   for (std::size_t k = path.size(); k-- > 0;) substitute_supernode(factor, path[k], x, work.data());
 }
 
 /// x ← L⁻ᵀ x for one vector.
 template <class Real, class Factor>
 void backward_vector(const Factor& factor, Real* x, std::vector<Real>& work) {
-  work.resize(std::max(work.size(), factor.size()));
+  work.resize(std::max(work.size(), factor.size() + CompactFactor::slack));
   for (std::size_t s = factor.pattern().supernodes(); s-- > 0;) substitute_supernode(factor, s, x, work.data());
 }
 

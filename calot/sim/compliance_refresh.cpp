@@ -102,7 +102,7 @@ void ComplianceRefresh::start(std::uint64_t step, const Model& model, const Coro
   adopt_at_ = step + static_cast<std::uint64_t>(latency);
   start_at_ = step + static_cast<std::uint64_t>(options_.interval);
   work_ = std::async(std::launch::async, [request = std::move(request)] {
-    const BackgroundLane lane;
+    const BackgroundLane lane(std::max(1, thread_count() / 2));
     return make_base(request);
   });
 }

@@ -10,6 +10,15 @@ namespace calot {
 namespace {
 
 constexpr std::size_t blocks_at_once = 64;  // of a parallel loop
+// Below this a product takes less than a millisecond on one thread, and waking another costs more than it brings, most
+// of all where background work has the other core (docs/performance.md).
+constexpr std::size_t blocks_for_threads = 8192;
+
+template <class Body>
+void on_blocks(std::size_t blocks, std::size_t count, std::size_t at_once, const Body& body) {
+  if (blocks < blocks_for_threads) return body(std::size_t{0}, count, std::size_t{0});
+  parallel_blocks(count, at_once, body);
+}
 constexpr int newton_steps = 4;
 constexpr double small_enough = 1e-5;  // Newton's next step would be of this size squared [rad]
 
@@ -242,7 +251,7 @@ double Corotational::update_rotations(std::span<const Vec3> positions) {
 template <Corotational::Product product>
 void Corotational::apply(std::span<const Vec3> in, std::span<Vec3> out) const {
   const double* values = in.data()->data();
-  parallel_blocks(blocks_.size(), blocks_at_once, [&](std::size_t begin, std::size_t end, std::size_t) {
+  on_blocks(blocks_.size(), blocks_.size(), blocks_at_once, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t b = begin; b < end; ++b)
       block_forces(blocks_[b], rotations_[b], values, product == Product::force ? 1 : 0,
                    corner_forces_.data() + 12 * lanes * b);
@@ -251,7 +260,7 @@ void Corotational::apply(std::span<const Vec3> in, std::span<Vec3> out) const {
 }
 
 void Corotational::sum_corners(std::span<Vec3> out) const {
-  parallel_blocks(vertex_count_, 512, [&](std::size_t begin, std::size_t end, std::size_t) {
+  on_blocks(blocks_.size(), vertex_count_, 512, [&](std::size_t begin, std::size_t end, std::size_t) {
     for (std::size_t v = begin; v < end; ++v) {
       double x = 0, y = 0, z = 0;
       for (std::uint32_t k = corner_start_[v]; k < corner_start_[v + 1]; ++k) {

@@ -146,7 +146,7 @@ Eigen::MatrixXd WarpedCompliance::delassus(std::span<const ContactRows> contacts
   std::sort(order.begin(), order.end());
   std::vector<ContactRows> sorted;
   for (const auto& [row, k] : order) sorted.push_back(contacts[k]);
-  const Eigen::MatrixXd w = precise_ ? delassus_with(spread_double_, base_->factor, sorted)
+  const Eigen::MatrixXd w = precision_ == Precision::twice ? delassus_with(spread_double_, base_->factor, sorted)
                                      : delassus_with(spread_single_, base_->single, sorted);
   Eigen::MatrixXd result(w.rows(), w.cols());
   for (std::size_t k = 0; k < order.size(); ++k)

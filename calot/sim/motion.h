@@ -11,8 +11,8 @@
 namespace calot {
 
 struct SolverOptions {
-  double tolerance = 1e-3;  ///< of ‖b − Â d‖/‖b‖
-  int iterations = 60;      ///< at most; a step that needs more says so and goes on with what it has
+  double tolerance = 1e-2;  ///< of ‖b − Â d‖/‖b‖; a linear step is off by more than that where tissue turns
+  int iterations = 15;      ///< at most; a step that needs more says so and goes on with what it has
 };
 
 struct SolverReport {

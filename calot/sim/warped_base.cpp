@@ -167,6 +167,7 @@ std::unique_ptr<WarpedBase> make_base(const BaseRequest& request) {
   base->pattern = shared->factor;
   base->factor = SparseFactor(base->pattern, matrix, active);
   base->single = FloatFactor(base->factor);
+  base->compact = CompactFactor(base->factor);
   base->row_of_slot = rows_of_slots(*base->pattern, active);
   std::vector<std::uint32_t> likely;
   for (const VertexId v : request.likely)

@@ -187,7 +187,7 @@ void WarpedCompliance::set_springs(std::span<const Spring> springs) {
 
 void WarpedCompliance::set_base(std::unique_ptr<WarpedBase> base) {
   base_ = std::move(base);
-  precise_ = false;
+  precision_ = Precision::compact;
 }
 
 std::vector<std::uint32_t> WarpedCompliance::touched_rows(const WarpedBase& base) const {
@@ -224,6 +224,7 @@ Eigen::MatrixXd WarpedCompliance::base_block(std::span<const std::uint32_t> a, s
 // than single precision bears, and in the end double precision: then a trace of what leaves stays, until the next base.
 // Stiff jaws on tissue that gives way easily make it large instead: C − C k C then loses as many digits.
 Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
+  constexpr double most_in_compact = 2, most_cancelled_in_compact = 20;
   constexpr double most_in_single = 20, most_cancelled_in_single = 1000, most_in_double = 1e7, kept_share = 1e-6;
   double amplified = 0, cancelled = 0;
   const auto attempt = [&](double kept) {
@@ -239,7 +240,10 @@ Eigen::MatrixXd WarpedCompliance::middle(const Eigen::MatrixXd& compliance) {
   };
   Eigen::MatrixXd k = attempt(0);
   if (!(amplified < most_in_double)) k = attempt(kept_share);
-  precise_ = precise_ || amplified > most_in_single || cancelled > most_cancelled_in_single;
+  if (amplified > most_in_single || cancelled > most_cancelled_in_single)
+    precision_ = Precision::twice;
+  else if (amplified > most_in_compact || cancelled > most_cancelled_in_compact)
+    precision_ = std::max(precision_, Precision::single);
   return k;
 }
 
@@ -283,7 +287,7 @@ void WarpedCompliance::gather_touched() {
   for (const std::uint32_t slot : touched_)
     if (slot < base_slots_) positions.push_back(static_cast<std::uint32_t>(base_->row_of_slot[slot] / 3));
   touched_path_ = detail::elimination_path(*base_->pattern, positions);
-  if (precise_)
+  if (precision_ == Precision::twice)
     double_.correction = correction_;
   else
     single_.correction = correction_.cast<float>();
@@ -356,11 +360,13 @@ void WarpedCompliance::apply_with(Solver<Real>& solver, const Factor& factor, st
   }
 }
 
-void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x) {
-  if (precise_)
+void WarpedCompliance::apply(std::span<const Vec3> f, std::span<Vec3> x, Use use) {
+  if (precision_ == Precision::twice)
     apply_with(double_, base_->factor, f, x);
-  else
+  else if (precision_ == Precision::single || use == Use::answer)
     apply_with(single_, base_->single, f, x);
+  else
+    apply_with(single_, base_->compact, f, x);
 }
 
 }  // namespace calot

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "calot/compliance/compact_factor.h"
 #include "calot/compliance/float_factor.h"
 #include "calot/fem/model.h"
 #include "calot/sim/spring.h"
@@ -84,6 +85,7 @@ struct WarpedBase {
   std::shared_ptr<const FactorPattern> pattern;
   SparseFactor factor;
   FloatFactor single;
+  CompactFactor compact;
   std::vector<std::int32_t> row_of_slot;             ///< first row in the factor's order; −1 for fixed vertices
   std::vector<Eigen::Quaterniond> rotation_of_slot;  ///< of the vertices then
   ReadyColumns ready;
@@ -123,13 +125,16 @@ class WarpedCompliance {
   /// Rotations of the vertices now (n); before `apply` and `delassus`, each step.
   void turn(std::span<const Eigen::Quaterniond> vertex_rotations);
 
-  /// x = C' f; n each.
-  void apply(std::span<const Vec3> f, std::span<Vec3> x);
+  /// x = C' f; n each. As a preconditioner it may be off by some thousandths, else by what single precision leaves.
+  enum class Use : std::uint8_t { preconditioner, answer };
+  void apply(std::span<const Vec3> f, std::span<Vec3> x, Use use = Use::answer);
   /// W = J C' Jᵀ [m/N] of k contacts, 3k×3k, normal first.
   [[nodiscard]] Eigen::MatrixXd delassus(std::span<const ContactRows> contacts);
 
   /// Parts that nothing joins any more share rounding: they hung together when the base was asked for.
   [[nodiscard]] bool mixes_parts() const { return mixes_parts_; }
+  /// The corrections cancel more digits than single precision has.
+  [[nodiscard]] bool needs_double() const { return precision_ == Precision::twice; }
   [[nodiscard]] std::size_t touched() const { return touched_.size(); }
   /// Slots that the next `settle` takes in.
   [[nodiscard]] std::size_t pending() const { return pending_.slots.size(); }
@@ -203,7 +208,8 @@ class WarpedCompliance {
   std::vector<std::int32_t> place_;     // of each slot in T, or −1
   Eigen::MatrixXd correction_;          // K, 3|T|×3|T|
   bool mixes_parts_ = false;
-  bool precise_ = false;  // single precision would not do on this base any more
+  // What the corrections on this base need so far; digits that they cancel must be there.
+  enum class Precision : std::uint8_t { compact, single, twice } precision_ = Precision::compact;
   Solver<float> single_;
   Solver<double> double_;
   std::vector<std::uint32_t> touched_path_;  // supernodes that L⁻¹ P of T reaches

@@ -270,7 +270,10 @@ void World::advance(std::span<const std::optional<InstrumentInput>> inputs) {
 
 Preconditioner World::preconditioner() {
   WarpedCompliance& present = compliance_.present();
-  return {[&present](std::span<const Vec3> r, std::span<Vec3> z) { present.apply(r, z); }, present.mixes_parts()};
+  const auto apply = [&present](std::span<const Vec3> r, std::span<Vec3> z) {
+    present.apply(r, z, WarpedCompliance::Use::preconditioner);
+  };
+  return {apply, present.mixes_parts()};
 }
 
 void World::take_inputs(std::span<const std::optional<InstrumentInput>> inputs) {
@@ -373,13 +376,20 @@ void World::renew_compliance(PhaseClock& clock) {
   gather_springs();
   report_.seconds[static_cast<std::size_t>(Phase::waiting)] = compliance_.adopt(step_);
   compliance_.set_springs(springs_);
-  if (compliance_.start_is_due(step_)) compliance_.start(step_, model_, tissue_, springs_, likely_vertices());
   constexpr std::size_t most_pending = 150, most_touched = 400;
   if (compliance_.present().pending() > most_pending ||
       compliance_.present().pending() + compliance_.present().touched() > most_touched)
     compliance_.rebuild(model_, tissue_, springs_);
+  compliance_.present().settle();
+  // A part has just come off. To go on in double precision and part by part, until the next factor is there, costs more
+  // than a factor now.
+  if (came_off_ && compliance_.present().mixes_parts() && compliance_.present().needs_double()) {
+    compliance_.rebuild(model_, tissue_, springs_);
+    compliance_.present().settle();
+    came_off_ = false;
+  }
+  if (compliance_.start_is_due(step_)) compliance_.start(step_, model_, tissue_, springs_, likely_vertices());
   WarpedCompliance& present = compliance_.present();
-  present.settle();
   present.turn(vertex_rotations(around_, tissue_.rotations()));
   report_.touched = present.touched();
   clock.end(Phase::compliance, report_.seconds[static_cast<std::size_t>(Phase::waiting)]);

@@ -220,7 +220,7 @@ void World::find_push() {
         difference[v.index()] += rows_[k].weights[i] * force;
   }
   push_.resize(difference.size());
-  preconditioner().apply(difference, push_);
+  compliance_.present().apply(difference, push_);
   keep_parts_apart();
 }
 

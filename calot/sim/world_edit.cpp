@@ -124,7 +124,9 @@ const StiffnessChange* World::apply(const TopologyEdit& edit, EventKind cause, c
   state_.velocities = carry_over(state_.velocities, remap);
   around_ = vertex_tets(model_.mesh());
   tissue_.follow(model_, remap);
+  const std::size_t groups = motion_.group_count();
   motion_.follow(model_);
+  came_off_ = came_off_ || motion_.group_count() > groups;
   compliance_.follow(elements, remap);
   surface_.follow(model_.mesh(), remap);
   renew_triangles();

@@ -94,7 +94,7 @@ TEST_P(WorldCutWays, APartDoesNotFeelToTheLastBitThatTheOtherIsPushed) {
 TEST_P(WorldCutWays, ASeveredPartMovesAsABodyOfItsOwn) {
   WorldSetup setup = beam(true);
   setup.options.contact.self_contact = false;
-  setup.options.solver.tolerance = 1e-10;
+  setup.options.solver = {1e-10, 60};
   setup.options.friction.tolerance = 1e-9;
   const WorldOptions options = setup.options;
   InstrumentInput input = setup.instruments[0].start;
@@ -287,7 +287,7 @@ TEST(WorldRotation, ABeamTwistedByNinetyDegreesEndsInEquilibrium) {
                        [](const Vec3& x) { return x.x() < 1e-9; }, {20e3, 0.4, 1000}, {.rayleigh_stiffness = 0.02});
   WorldSetup setup = test::world_setup(std::move(model));
   setup.options.gravity = Vec3(0, 0, -9.81);
-  setup.options.solver.tolerance = 1e-8;
+  setup.options.solver = {1e-8, 60};
   const std::vector<Vec3> rest = setup.model.mesh().positions;
   const Vec3 centre(40 * mm, 5 * mm, 5 * mm);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()));

@@ -36,7 +36,7 @@ TEST(WorldEnergy, ASwingingBlockNeverGainsAny) {
       test::world_setup(test::make_model(test::box_mesh(6, 2, 2, Vec3(60 * mm, 15 * mm, 15 * mm)), 1.0 / 60,
                                          [](const Vec3& x) { return x.x() < 1e-9; }, {15e3, 0.4, 1000}));
   setup.options.gravity = Vec3(0, 0, -g);
-  setup.options.solver.tolerance = 1e-8;
+  setup.options.solver = {1e-8, 60};
   World world(std::move(setup));
   const double start = world.energy();
   double before = start, gained = 0, deepest = start, kinetic = 0;
