@@ -217,6 +217,20 @@ bool within(std::span<const double> values, double low, double high) {
   return std::all_of(values.begin(), values.end(), [&](double x) { return x >= low && x <= high; });
 }
 
+/// What is wrong with the heat; empty if nothing. Nothing is colder than blood or hotter than boiling water, but for
+/// what the elements' shapes cost.
+std::string wrong(const TissueHeat& heat) {
+  for (std::size_t v = 0; v < heat.peak_temperatures().size(); ++v)
+    if (const double now = heat.temperature(VertexId(v)); !(now >= 36 && heat.peak_temperatures()[v] <= 101))
+      return "a temperature is out of range: now " + std::to_string(now) + ", at most " +
+             std::to_string(heat.peak_temperatures()[v]);
+  const HeatLedger& l = heat.ledger();
+  const double error = l.supplied + l.reshaped - heat.stored() - l.perfused - l.exchanged - l.removed;
+  if (!(std::abs(error) <= 1e-9 * (l.supplied + std::abs(l.reshaped))))
+    return "the heat's books are off by " + std::to_string(1e3 * error) + " mJ";
+  return {};
+}
+
 /// What is wrong now; empty if nothing.
 std::string wrong(const World& world, double mass_before, bool lost_tets) {
   if (!test::all_finite(world)) return "positions or velocities are not finite";
@@ -234,8 +248,7 @@ std::string wrong(const World& world, double mass_before, bool lost_tets) {
   if (lost_tets ? mass > mass_before * (1 + 1e-3) : std::abs(mass - mass_before) > 1e-3 * mass_before)
     return "mass went from " + std::to_string(1e3 * mass_before) + " g to " + std::to_string(1e3 * mass) + " g";
   if (!within(world.heat().coagulation(), 0, 1 + 1e-9)) return "coagulation out of range";
-  for (const double peak : world.heat().peak_temperatures())
-    if (!(peak >= 36 && peak <= 400)) return "a temperature is out of range: " + std::to_string(peak);
+  if (const std::string bad = wrong(world.heat()); !bad.empty()) return bad;
   if (!within(world.injury().blanching(), 0, 1) || !within(world.injury().bruising(), 0, 1))
     return "injury out of range";
   for (const InstrumentArm& arm : world.instruments())
