@@ -40,7 +40,7 @@ struct SoundMix {
   double sizzle = 0, crackle = 0, crackle_dense = 0, suction_air = 0, suction_fluid = 0;
 };
 /// Loudness follows the power: sound intensity as the steam's, so the amplitude as its root; all of it at 40 W.
-/// Crackling comes more often from 15 W on. Fluid drowns the hiss; all gurgle at 10 ml/s.
+/// Crackling comes more often from 5 W on, most at 25 W. Fluid drowns the hiss; all gurgle at 10 ml/s.
 SoundMix mix_of(const SoundScene& scene);
 
 }  // namespace calot
