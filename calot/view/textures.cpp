@@ -12,7 +12,7 @@
 namespace calot {
 namespace {
 
-constexpr int volume_size = 128;
+constexpr int volume_size = 128, small_volume_size = 64;  // the small one fits a processor's cache
 constexpr int vessel_size = 512;
 
 // Only + - * / and square roots below: every machine rounds those alike.
@@ -62,14 +62,15 @@ struct Split {
   double into;
 };
 
-Split split(double v) {
-  const double whole = std::floor(v);
-  return {static_cast<int>(whole), v - whole};
+/// The integer below; std::floor is a call where the processor isn't known to have it.
+int below(double v) {
+  const int i = static_cast<int>(v);
+  return v < i ? i - 1 : i;
 }
 
-/// Cells before, at and after one, around a lattice of `cells`.
-std::array<int, 3> neighbours(int cell, int cells) {
-  return {wrapped(cell - 1, cells), wrapped(cell, cells), wrapped(cell + 1, cells)};
+Split split(double v) {
+  const int whole = below(v);
+  return {whole, v - whole};
 }
 
 /// Gradient noise of period 1 with `cells` along it, about -1 … 1 [Perlin2002].
@@ -93,6 +94,40 @@ class GradientNoise {
       slopes_.push_back(edges[mixed(k % n + seed * 131U, k / n % n, k / (n * n))[0] % 12U]);
   }
 
+  /// The noise along x for one y and z: much less work for many x.
+  class Row {
+   public:
+    Row(const GradientNoise& noise, double py, double pz) : cells_(noise.cells_) {
+      const Split y = split(py * cells_), z = split(pz * cells_);
+      const double v = fade(y.into), w = fade(z.into);
+      for (int i = 0; i < cells_; ++i) {
+        Column column;
+        for (int k = 0; k < 4; ++k) {
+          const int j = k & 1, l = k >> 1;
+          const auto& slope = noise.slope(i, wrapped(y.cell + j, cells_), wrapped(z.cell + l, cells_));
+          const double weight = (j != 0 ? v : 1 - v) * (l != 0 ? w : 1 - w);
+          column.value += weight * (slope[1] * (y.into - j) + slope[2] * (z.into - l));
+          column.rise += weight * slope[0];
+        }
+        columns_.push_back(column);
+      }
+    }
+    double operator()(double px) const {
+      const Split x = split(px * cells_);
+      const Column& a = columns_[static_cast<std::size_t>(wrapped(x.cell, cells_))];
+      const Column& b = columns_[static_cast<std::size_t>(wrapped(x.cell + 1, cells_))];
+      const double left = a.value + a.rise * x.into, right = b.value + b.rise * (x.into - 1);
+      return left + fade(x.into) * (right - left);
+    }
+
+   private:
+    struct Column {
+      double value = 0, rise = 0;
+    };
+    int cells_;
+    std::vector<Column> columns_;
+  };
+
   double operator()(const Point& p) const {
     const Split x = split(p.x * cells_), y = split(p.y * cells_), z = split(p.z * cells_);
     const int xs[2] = {wrapped(x.cell, cells_), wrapped(x.cell + 1, cells_)};
@@ -101,7 +136,7 @@ class GradientNoise {
     double corner[8];
     for (int k = 0; k < 8; ++k) {
       const int i = k & 1, j = (k >> 1) & 1, l = k >> 2;
-      const auto& slope = slopes_[static_cast<std::size_t>((zs[l] * cells_ + ys[j]) * cells_ + xs[i])];
+      const auto& slope = this->slope(xs[i], ys[j], zs[l]);
       corner[k] = slope[0] * (x.into - i) + slope[1] * (y.into - j) + slope[2] * (z.into - l);
     }
     const double u = fade(x.into), v = fade(y.into), w = fade(z.into);
@@ -111,6 +146,9 @@ class GradientNoise {
   }
 
  private:
+  const std::array<double, 3>& slope(int i, int j, int k) const {
+    return slopes_[static_cast<std::size_t>((k * cells_ + j) * cells_ + i)];
+  }
   static double fade(double t) { return t * t * t * (t * (t * 6 - 15) + 10); }
   int cells_;
   std::vector<std::array<double, 3>> slopes_;
@@ -122,11 +160,21 @@ class Clouds {
   Clouds(int cells, int octaves, std::uint32_t seed) {
     for (int k = 0; k < octaves; ++k) octaves_.emplace_back(cells << k, seed + static_cast<std::uint32_t>(k));
   }
-  double operator()(const Point& p) const {
-    double sum = 0, amplitude = 1;
-    for (const GradientNoise& octave : octaves_) sum += amplitude * octave(p), amplitude *= 0.5;
-    return sum;
-  }
+  /// Along x for one y and z.
+  class Row {
+   public:
+    Row(const Clouds& clouds, double y, double z) {
+      for (const GradientNoise& octave : clouds.octaves_) octaves_.emplace_back(octave, y, z);
+    }
+    double operator()(double x) const {
+      double sum = 0, amplitude = 1;
+      for (const GradientNoise::Row& octave : octaves_) sum += amplitude * octave(x), amplitude *= 0.5;
+      return sum;
+    }
+
+   private:
+    std::vector<GradientNoise::Row> octaves_;
+  };
 
  private:
   std::vector<GradientNoise> octaves_;
@@ -141,38 +189,56 @@ class Cells {
   };
 
   Cells(int cells, std::uint32_t seed) : cells_(cells) {
-    const auto n = static_cast<std::uint32_t>(cells);
-    for (std::uint32_t k = 0; k < n * n * n; ++k) {
-      const auto bits = mixed(k % n + seed * 977U, k / n % n, k / (n * n));
-      points_.push_back({0.15 + 0.7 * unit(bits[0]), 0.15 + 0.7 * unit(bits[1]), 0.15 + 0.7 * unit(bits[2])});
-    }
+    for (int k = 0; k < cells; ++k)
+      for (int j = 0; j < cells; ++j)
+        for (int i = 0; i < cells; ++i) around_.push_back(points_around(i, j, k, seed));
   }
 
   Value operator()(const Point& p) const {
-    constexpr double reach = 1.2;
+    constexpr float nearness = 1 / (1.2F * 1.2F);
     const Split x = split(p.x * cells_), y = split(p.y * cells_), z = split(p.z * cells_);
-    const auto xs = neighbours(x.cell, cells_), ys = neighbours(y.cell, cells_), zs = neighbours(z.cell, cells_);
-    double sum = 0, squares = 0;
-    for (int l = 0; l < 3; ++l)
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) {
-          const Point& point = points_[static_cast<std::size_t>(
-              (zs[static_cast<std::size_t>(l)] * cells_ + ys[static_cast<std::size_t>(j)]) * cells_ +
-              xs[static_cast<std::size_t>(i)])];
-          const double dx = point.x + (i - 1) - x.into, dy = point.y + (j - 1) - y.into;
-          const double dz = point.z + (l - 1) - z.into;
-          double w = std::max(0.0, 1 - (dx * dx + dy * dy + dz * dz) / (reach * reach));
-          w *= w, w *= w, w *= w;
-          sum += w;
-          squares += w * w;
-        }
-    if (sum < 1e-12) return {};
-    return {squares / (sum * sum), std::sqrt(std::sqrt(std::sqrt(sum)))};
+    const Around& around = around_[static_cast<std::size_t>(
+        (wrapped(z.cell, cells_) * cells_ + wrapped(y.cell, cells_)) * cells_ + wrapped(x.cell, cells_))];
+    const auto px = static_cast<float>(x.into), py = static_cast<float>(y.into), pz = static_cast<float>(z.into);
+    // Four sums side by side, so that the compiler can use wide registers and the order is still fixed.
+    std::array<float, 4> sum{}, squares{};
+    for (std::size_t block = 0; block < 28; block += 4)
+      for (std::size_t k = 0; k < 4; ++k) {
+        const float dx = around.x[block + k] - px, dy = around.y[block + k] - py, dz = around.z[block + k] - pz;
+        float w = 1 - (dx * dx + dy * dy + dz * dz) * nearness;
+        w = w > 0 ? w : 0;
+        w *= w, w *= w, w *= w;
+        sum[k] += w;
+        squares[k] += w * w;
+      }
+    const double all = double{sum[0]} + sum[1] + sum[2] + sum[3];
+    if (all < 1e-12) return {};
+    return {(double{squares[0]} + squares[1] + squares[2] + squares[3]) / (all * all),
+            std::sqrt(std::sqrt(std::sqrt(all)))};
   }
 
  private:
+  /// The points of a cell and its 26 neighbours, seen from its corner; the last place is far away.
+  struct Around {
+    std::array<float, 28> x, y, z;
+  };
+
+  Around points_around(int i, int j, int k, std::uint32_t seed) const {
+    Around around{};
+    around.x[27] = 9;
+    const auto place = [&](int at, int by) { return static_cast<std::uint32_t>(wrapped(at + by, cells_)); };
+    for (std::size_t n = 0; n < 27; ++n) {
+      const int a = static_cast<int>(n % 3) - 1, b = static_cast<int>(n / 3 % 3) - 1, c = static_cast<int>(n / 9) - 1;
+      const auto bits = mixed(place(i, a) + seed * 977U, place(j, b), place(k, c));
+      around.x[n] = static_cast<float>(a + 0.15 + 0.7 * unit(bits[0]));
+      around.y[n] = static_cast<float>(b + 0.15 + 0.7 * unit(bits[1]));
+      around.z[n] = static_cast<float>(c + 0.15 + 0.7 * unit(bits[2]));
+    }
+    return around;
+  }
+
   int cells_;
-  std::vector<Point> points_;
+  std::vector<Around> around_;
 };
 
 std::uint8_t byte_of(double v) {
@@ -197,16 +263,24 @@ struct VolumeFields {
   Clouds cloud{4, 4, 21};
   GradientNoise films[3] = {{3, 31}, {5, 32}, {9, 33}};
 
-  void texel(const Point& p, std::uint8_t* out) const {
-    const Point bend{bend_x(p), bend_y(p), bend_z(p)};
-    const auto bent = [&](double by) { return Point{p.x + by * bend.x, p.y + by * bend.y, p.z + by * bend.z}; };
-    const Cells::Value lobule = small(bent(0.035)), pillow = large(bent(0.035));
-    out[0] = byte_of(smooth_step(0.30, 0.95, lobule.inside));
-    out[1] = byte_of((pillow.dome - 0.55) / 0.45 * (0.35 + 0.65 * smooth_step(0.25, 0.85, pillow.inside)));
-    out[2] = byte_of(0.5 + 0.42 * cloud(p));
-    const Point v = bent(0.08);
-    out[3] =
-        byte_of(std::max({film(films[0](v), 0.035), 0.8 * film(films[1](v), 0.06), 0.55 * film(films[2](v), 0.10)}));
+  /// `n` texels along x for one y and z.
+  void row(double y, double z, int n, std::uint8_t* out) const {
+    const GradientNoise::Row bent_x(bend_x, y, z), bent_y(bend_y, y, z), bent_z(bend_z, y, z);
+    const Clouds::Row clouded(cloud, y, z);
+    for (int i = 0; i < n; ++i, out += 4) {
+      const double x = (i + 0.5) / n;
+      const Point bend{bent_x(x), bent_y(x), bent_z(x)};
+      const auto bent = [&](double by) { return Point{x + by * bend.x, y + by * bend.y, z + by * bend.z}; };
+      const Cells::Value lobule = small(bent(0.035)), pillow = large(bent(0.035));
+      out[0] = byte_of(smooth_step(0.30, 0.95, lobule.inside));
+      out[1] = byte_of((pillow.dome - 0.55) / 0.45 * (0.35 + 0.65 * smooth_step(0.25, 0.85, pillow.inside)));
+      out[2] = byte_of(0.5 + 0.42 * clouded(x));
+      out[3] = byte_of(strands(bent(0.08)));
+    }
+  }
+
+  double strands(const Point& p) const {
+    return std::max({film(films[0](p), 0.035), 0.8 * film(films[1](p), 0.06), 0.55 * film(films[2](p), 0.10)});
   }
 };
 
@@ -221,11 +295,11 @@ struct Twig {
 
 /// A coordinate on the tile, 0 … 1.
 double on_tile(double v) {
-  return v - std::floor(v);
+  return v - below(v);
 }
 
 double nearest_image(double d) {
-  return d - std::floor(d + 0.5);
+  return d - below(d + 0.5);
 }
 
 struct TreePlan {
@@ -311,7 +385,7 @@ std::vector<Twig> vessel_tree(const TreePlan& plan) {
 void draw_twig(std::vector<double>& ridge, const Twig& from, const Twig& to, double full_radius) {
   const double dx = to.x - from.x, dy = to.y - from.y, length2 = std::max(dx * dx + dy * dy, 1e-12);
   const double wide = std::max(from.radius, to.radius) + 1.0 / vessel_size;
-  const auto texel = [](double v) { return static_cast<int>(std::floor(v * vessel_size)); };
+  const auto texel = [](double v) { return below(v * vessel_size); };
   for (int y = texel(std::min(from.y, to.y) - wide); y <= texel(std::max(from.y, to.y) + wide); ++y)
     for (int x = texel(std::min(from.x, to.x) - wide); x <= texel(std::max(from.x, to.x) + wide); ++x) {
       const double px = (x + 0.5) / vessel_size - from.x, py = (y + 0.5) / vessel_size - from.y;
@@ -355,15 +429,13 @@ std::vector<double> box_mean(const std::vector<double>& in, int reach, bool alon
 
 }  // namespace
 
-TextureBytes make_tissue_volume() {
-  constexpr int n = volume_size;
+TextureBytes make_tissue_volume(int n) {
   TextureBytes texture{n, n, std::vector<std::uint8_t>(std::size_t{4} * n * n * n)};
   const VolumeFields fields;
-  parallel_for(n, [&](std::size_t z) {
+  parallel_for(static_cast<std::size_t>(n), [&](std::size_t z) {
     for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x)
-        fields.texel({(x + 0.5) / n, (y + 0.5) / n, (static_cast<double>(z) + 0.5) / n},
-                     &texture.rgba[4 * ((z * n + static_cast<std::size_t>(y)) * n + static_cast<std::size_t>(x))]);
+      fields.row((y + 0.5) / n, (static_cast<double>(z) + 0.5) / n, n,
+                 &texture.rgba[4 * (z * n + static_cast<std::size_t>(y)) * static_cast<std::size_t>(n)]);
   });
   return texture;
 }
@@ -377,15 +449,16 @@ TextureBytes make_vessel_tile() {
   for (int pass = 0; pass < 3; ++pass) flush = box_mean(box_mean(flush, 7, true), 7, false);
   const Clouds grain(40, 3, 41);
   TextureBytes texture{n, 1, std::vector<std::uint8_t>(std::size_t{4} * n * n)};
-  for (int y = 0; y < n; ++y)
+  for (int y = 0; y < n; ++y) {
+    const Clouds::Row grained(grain, (y + 0.5) / n, 0.37);
     for (int x = 0; x < n; ++x) {
       const auto k = static_cast<std::size_t>(y * n + x);
-      const Point p{(x + 0.5) / n, (y + 0.5) / n, 0.37};
       texture.rgba[4 * k] = byte_of(wide[k]);
       texture.rgba[4 * k + 1] = byte_of(fine[k]);
       texture.rgba[4 * k + 2] = byte_of(2 * flush[k]);
-      texture.rgba[4 * k + 3] = byte_of(0.5 + 0.45 * grain(p));
+      texture.rgba[4 * k + 3] = byte_of(0.5 + 0.45 * grained((x + 0.5) / n));
     }
+  }
   return texture;
 }
 
@@ -406,16 +479,33 @@ unsigned uploaded(GLenum target, const TextureBytes& t, bool lite) {
   for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
     glTexParameteri(target, axis, GL_REPEAT);
   glGenerateMipmap(target);
-  if (lite && target == GL_TEXTURE_3D) glTexParameteri(target, GL_TEXTURE_BASE_LEVEL, 1);  // fits a cache
   glBindTexture(target, 0);
   return name;
 }
 
 }  // namespace
 
+namespace {
+
+// Made once for all contexts of a process; never changed.
+const TextureBytes& made_volume(bool lite) {
+  if (lite) {
+    static const TextureBytes small = make_tissue_volume(small_volume_size);
+    return small;
+  }
+  static const TextureBytes large = make_tissue_volume(volume_size);
+  return large;
+}
+
+const TextureBytes& made_tile() {
+  static const TextureBytes tile = make_vessel_tile();
+  return tile;
+}
+
+}  // namespace
+
 TissueTextures::TissueTextures(bool lite)
-    : volume_(uploaded(GL_TEXTURE_3D, make_tissue_volume(), lite)),
-      vessels_(uploaded(GL_TEXTURE_2D, make_vessel_tile(), lite)) {}
+    : volume_(uploaded(GL_TEXTURE_3D, made_volume(lite), lite)), vessels_(uploaded(GL_TEXTURE_2D, made_tile(), lite)) {}
 
 TissueTextures::~TissueTextures() {
   glDeleteTextures(1, &volume_);

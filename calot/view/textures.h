@@ -13,9 +13,10 @@ struct TextureBytes {
   std::vector<std::uint8_t> rgba;
 };
 
-/// Solid noise, 128³. Red: lobules, 0 on their borders, 1 inside, 9 along the tile. Green: larger lobules as pillows, 4
-/// along the tile. Blue: clouds of four octaves, mean ½. Alpha: strands, thin curved films seen as lines.
-TextureBytes make_tissue_volume();
+/// Solid noise of `size`³ texels, size 16 … 256. Red: lobules, 0 on their borders, 1 inside, 9 along the tile. Green:
+/// larger lobules as pillows, 4 along the tile. Blue: clouds of four octaves, mean ½. Alpha: strands, thin curved films
+/// seen as lines.
+TextureBytes make_tissue_volume(int size = 128);
 
 /// Vessels, 512². Red: trees that branch from wide to fine. Green: a network of finer ones. Blue: the flush around
 /// both. Alpha: fine grain, mean ½.
@@ -24,7 +25,7 @@ TextureBytes make_vessel_tile();
 /// The textures on the graphics card. Needs a current OpenGL 3.3 context, when made, bound and destroyed.
 class TissueTextures {
  public:
-  /// @param lite  reads the nearest of the smaller copies instead of blending two: less time
+  /// @param lite  a smaller volume, and the nearest of the copies for distance instead of two blended: less time
   explicit TissueTextures(bool lite);
   ~TissueTextures();
   TissueTextures(const TissueTextures&) = delete;

@@ -1,5 +1,6 @@
 // What tissue looks like at a point of its rest shape, so that motion and cuts leave it alone. Textures come from
 // calot/view/textures.h, recipes from looks.glsl.
+#include "material.glsl"
 #include "noise.glsl"
 #include "looks.glsl"
 
@@ -50,7 +51,7 @@ void char_over(inout Material m, float charred, vec4 s) {
 // `through`: what a thin film lets through; `shallow`, `deep`: its own colour, thin and thick.
 void film_over(inout Material m, float mask, float noise, vec3 through, vec3 shallow, vec3 deep) {
   float film = ragged(mask, noise, 0.18, 0.30);
-  float thick = film * smoothstep(0.25, 1.05, mask + 0.6 * (noise - 0.5));
+  float thick = film * smoothstep(0.25, 1.05, mask + 0.35 * (noise - 0.5));
   vec3 clear = mix(vec3(1.0), through * (1.0 - thick), film);
   m.base = m.base * clear + mix(shallow, deep, thick) * (1.0 - clear);
   m.subsurface *= 1.0 - 0.7 * film;
@@ -77,9 +78,11 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
 
   float pattern = clamp(dot(r.pattern, s - 0.5) + r.bias, 0.0, 1.0);
   vec3 color = mix(r.low, r.high, pattern);
-  color = mix(color, r.patch_color, r.patches * smoothstep(0.3, 0.7, large));
-  float marks = dot(r.vessels, v.rgb) + r.dots * smoothstep(0.86, 0.95, s.g) + r.strands * s.a;
+  color = mix(color, r.patch_color, r.patches * smoothstep(0.15, 0.85, large));
+  float tube = smoothstep(0.84, 0.93, s.g) * smoothstep(0.40, 0.55, s.b);
+  float marks = dot(r.vessels, v.rgb) + r.ducts * tube + r.strands * s.a * smoothstep(0.25, 0.65, s.b);
   color = mix(color, r.mark, min(marks, 0.9));
+  color *= 1.0 - 0.9 * r.ducts * tube * smoothstep(0.93, 0.98, s.g);  // what flows in the tube is dark
 
   Material m;
   m.base = linear_light(color);
@@ -87,7 +90,7 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
   m.coat = r.coat;
   m.coat_roughness = r.coat_roughness;
   m.subsurface = r.subsurface;
-  m.height = mm * (dot(r.relief, s) + r.grain * v.a + 0.025 * r.vessels.x * v.r);
+  m.height = mm * (dot(r.relief, s) + r.grain * (lite ? 0.5 : v.a));
   m.metal = 0.0;
   m.ao = 1.0;
 
@@ -95,7 +98,7 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
   coagulate(m, condition.x, s);
   char_over(m, max(condition.y, mask.y), s);
   film_over(m, mask.z, s.b, vec3(0.72, 0.62, 0.12), vec3(0.20, 0.15, 0.010), vec3(0.115, 0.090, 0.006));
-  film_over(m, mask.x, s.b, vec3(0.60, 0.10, 0.08), vec3(0.13, 0.006, 0.005), vec3(0.045, 0.0022, 0.0024));
+  film_over(m, mask.x, s.b, vec3(0.50, 0.06, 0.05), vec3(0.105, 0.006, 0.005), vec3(0.065, 0.0034, 0.0034));
   m.coat = mix(m.coat, 1.0, 0.8 * mask.w);
   m.coat_roughness = mix(m.coat_roughness, 0.12, 0.7 * mask.w);
   return m;
