@@ -47,6 +47,7 @@ Effects::Effects(const Snapshot& first, std::span<const Surface> still, const Ef
   parts_->fluid = detail::SurfaceFluid(first, still, options);
   parts_->gas = detail::Gas(options);
   parts_->burns = detail::Burns(options);
+  std::swap(parts_->state.mask, parts_->fluid.film().mask());
   advance(first, 0);
 }
 
@@ -58,6 +59,7 @@ void Effects::advance(const Snapshot& snapshot, std::uint64_t steps) {
   const bool sound = snapshot.time_step > 0 && snapshot.time_step < 1;
   const double dt = sound ? snapshot.time_step : usual_step;
   detail::SurfaceFluid& fluid = parts_->fluid;
+  std::swap(parts_->state.mask, fluid.film().mask());  // the state has it between calls
   fluid.take(snapshot, steps);
   parts_->burns.take(snapshot, fluid.skin());
   const bool weighs = snapshot.gravity.allFinite() && snapshot.gravity.norm() > 1e-3F;
@@ -77,6 +79,7 @@ void Effects::advance(const Snapshot& snapshot, std::uint64_t steps) {
   }
   parts_->state.step = snapshot.step;
   fluid.tell(parts_->state);
+  std::swap(parts_->state.mask, fluid.film().mask());
   parts_->gas.tell(parts_->state);
   parts_->burns.tell(parts_->state);
 }

@@ -31,7 +31,10 @@ double FilmMask::lay(Fluid fluid, const FilmSpot& spot, double thickness, double
   const float voxel = mask_.voxel();
   const float rough = 1 + 0.3F * value_noise(spot.rest / 1.5e-3F, 11);
   const float radius = std::max(0.5F * voxel, spot.radius * rough);
-  const VoxelBlock block = mask_.around(spot.rest, radius + voxel);
+  // The box of the disc, two voxels thick on either side.
+  const Eigen::Vector3f extent = radius * (Eigen::Vector3f::Ones() - spot.normal.cwiseAbs2()).cwiseMax(0).cwiseSqrt() +
+                                 2 * voxel * spot.normal.cwiseAbs() + Eigen::Vector3f::Constant(0.5F * voxel);
+  const VoxelBlock block = mask_.around(spot.rest, extent);
   const auto wanted = static_cast<float>(255 * std::clamp(thickness / full_film, 0.0, 1.0));
   auto left = static_cast<std::int64_t>(available / std::max(unit(), 1e-30));
   std::int64_t used = 0;

@@ -144,11 +144,10 @@ MaskVolume::Vec3f MaskVolume::middle(int x, int y, int z) const {
          voxel_ * Vec3f(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F, static_cast<float>(z) + 0.5F);
 }
 
-VoxelBlock MaskVolume::around(const Vec3f& rest, float radius) const {
+VoxelBlock MaskVolume::around(const Vec3f& rest, const Vec3f& extent) const {
   VoxelBlock block;
-  if (bytes_.empty() || !rest.allFinite() || !(radius >= 0)) return block;
-  const Vec3f low = (rest - origin_ - Vec3f::Constant(radius)) / voxel_,
-              high = (rest - origin_ + Vec3f::Constant(radius)) / voxel_;
+  if (bytes_.empty() || !rest.allFinite() || !extent.allFinite()) return block;
+  const Vec3f low = (rest - origin_ - extent) / voxel_, high = (rest - origin_ + extent) / voxel_;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto k = static_cast<int>(i);
     const auto most = static_cast<float>(size_[i]);

@@ -46,8 +46,11 @@ class MaskVolume {
   void touch(int x, int y, int z);
   /// Trilinear, as the renderer sees it, each channel 0 … 255; zeros outside.
   [[nodiscard]] Eigen::Vector4f sample(const Vec3f& rest) const;
-  /// Voxels whose middles may lie within `radius` of a place; of size 0 outside.
-  [[nodiscard]] VoxelBlock around(const Vec3f& rest, float radius) const;
+  /// Voxels whose middles lie within a box around a place, `extent` ≥ 0 to each side; of size 0 outside.
+  [[nodiscard]] VoxelBlock around(const Vec3f& rest, const Vec3f& extent) const;
+  [[nodiscard]] VoxelBlock around(const Vec3f& rest, float radius) const {
+    return around(rest, Vec3f(Vec3f::Constant(radius)));
+  }
   [[nodiscard]] Vec3f middle(int x, int y, int z) const;
 
   /// Raises channels towards `value` (0 … 255) within a soft ball; `grain` 0 … 1 roughens its edge with noise.

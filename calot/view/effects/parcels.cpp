@@ -91,7 +91,7 @@ void SurfaceFluid::lay_film(Parcel& parcel, double thickness, float radius) {
     const float share = static_cast<float>(k) / static_cast<float>(spots);
     const Vec3f spot = spots == 1 ? rest : Vec3f(parcel.laid + share * (rest - parcel.laid));
     const double available = options_.left_behind > 0 ? parcel.volume : 0;
-    parcel.volume -= film_.lay(parcel.fluid, {spot, normal, 0.75F * radius}, left, available);
+    parcel.volume -= film_.lay(parcel.fluid, {spot, normal, std::min(0.75F * radius, 4e-3F)}, left, available);
   }
   parcel.laid = rest;
   if (parcel.volume < 0.02e-9) {
@@ -138,8 +138,7 @@ void SurfaceFluid::join_resting() {
         if (!(static_cast<double>((at[i] - at[j]).norm()) < reach)) continue;
         const auto share = static_cast<float>(runner.volume / (runner.volume + rester.volume));
         rester.velocity = (1 - share) * rester.velocity + share * runner.velocity;
-        rester.progress = std::max(rester.progress, runner.progress);
-        rester.age = std::min(rester.age, 0.5F);
+        rester.progress += share * (runner.progress - rester.progress);
         rester.volume += runner.volume;
         runner.volume = 0;
         break;

@@ -146,7 +146,8 @@ void SurfaceFluid::tend_pools(double dt) {
     if ((k + steps_) % 40 != 0) continue;
     const double thickness = 60e-6;
     pool.volume -= film_.lay(
-        pool.fluid, {here.rest(pool.place.seat), here.rest_normal(pool.place.seat.triangle), 0.6F * pool.radius},
+        pool.fluid,
+        {here.rest(pool.place.seat), here.rest_normal(pool.place.seat.triangle), std::min(0.6F * pool.radius, 8e-3F)},
         thickness, pool.volume);
   }
   // Less than a lens: what stays is a film.

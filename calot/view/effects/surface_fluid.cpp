@@ -9,6 +9,7 @@ namespace {
 
 constexpr float beyond = 0.15F;          // below all surfaces: gone [m]
 constexpr double smallest_run = 1.2e-9;  // that runs off from a well [m³]
+constexpr double stays = 1.0e-9;         // in a well, when some runs off [m³]
 constexpr double run_time = 0.02;        // a well gathers at least what comes in so long [s]
 constexpr double spurting = 0.3e-6;      // an artery that bleeds more than this throws blood [m³/s]
 constexpr double heart_rate = 1.2;       // [1/s]
@@ -156,12 +157,12 @@ void SurfaceFluid::well_up(double dt) {
       throw_spurt(source, thrown);
     }
     shape_lens(well);
-    const double enough = std::max(smallest_run, source.rate * run_time);
+    const double enough = stays + std::max(smallest_run, source.rate * run_time);
     if (well.volume < enough || parcels_.size() >= options_.parcels) continue;
     Parcel parcel;
     parcel.place = well.place;
     parcel.fluid = well.fluid;
-    parcel.volume = well.volume;
+    parcel.volume = well.volume - stays;
     const std::uint32_t spot = source.raw ? next_id_ % seeps : 0;
     const auto words = mix3(source.id, spot, static_cast<std::uint32_t>(options_.seed));
     const float angle = static_cast<float>(words[0]) * 1.4629180e-9F,
@@ -171,7 +172,7 @@ void SurfaceFluid::well_up(double dt) {
     const Vec3f way = far * (std::cos(angle) * side + std::sin(angle) * normal.cross(side));
     const Walked to = walk(here, parcel.place.seat, way);
     if (!source.raw || here.is_raw(to.seat.triangle)) parcel.place.seat = to.seat;
-    well.volume = 0;
+    well.volume = stays;
     add_parcel(parcel);
   }
 }
