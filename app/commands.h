@@ -14,6 +14,7 @@ void add_solve_command(CLI::App& app);       // solve_command.cpp
 void add_compare_command(CLI::App& app);     // compare_command.cpp
 void add_convert_command(CLI::App& app);     // convert_command.cpp
 void add_simulate_command(CLI::App& app);    // simulate_command.cpp
+void add_view_command(CLI::App& app);        // view_command.cpp
 void add_bench_command(CLI::App& app);       // bench_command.cpp
 
 }  // namespace calot

@@ -15,6 +15,7 @@ void add_commands(CLI::App& app) {
   calot::add_compare_command(app);
   calot::add_convert_command(app);
   calot::add_simulate_command(app);
+  calot::add_view_command(app);
   calot::add_bench_command(app);
 }
 

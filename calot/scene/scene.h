@@ -77,6 +77,12 @@ struct SceneHaptics {
   double max_force = 6.0;                  ///< [N]
 };
 
+/// Where a picture of the scene is taken from; what a run does doesn't depend on it.
+struct SceneCamera {
+  Vec3 eye = Vec3::Zero(), target = Vec3::Zero();  ///< [m], apart
+  Vec3 up = Vec3::UnitZ();                         ///< unit, not along the view
+};
+
 struct Scene {
   std::string title;
   std::filesystem::path file;   ///< empty for scenes made in memory
@@ -97,6 +103,7 @@ struct Scene {
   bool self_contact = true;
   int max_contacts = 64;
   SceneHaptics haptics;
+  std::optional<SceneCamera> camera;  ///< empty: found from the tissue and the instruments
   CuttingMode cutting = CuttingMode::split;
   bool tearing = true, heat = true, fluids = true;
 };

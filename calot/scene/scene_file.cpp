@@ -36,7 +36,7 @@ class SceneReader {
                      {"title",   "length_unit",   "time_step",          "seconds", "steps",   "seed",    "gravity",
                       "patient", "rayleigh_mass", "rayleigh_stiffness", "model",   "block",   "tube",    "region",
                       "floor",   "surface",       "instrument",         "contact", "haptics", "cutting", "tearing",
-                      "heat",    "fluids"});
+                      "heat",    "fluids",        "camera"});
     scene_.file = toml_.path();
     read_general(root);
     read_source(root);
@@ -46,6 +46,7 @@ class SceneReader {
     for (const toml::value& table : toml_.tables("instrument")) read_instrument(table);
     if (const toml::value* table = toml_.section("contact")) read_contact(*table);
     if (const toml::value* table = toml_.section("haptics")) read_haptics(*table);
+    if (const toml::value* table = toml_.section("camera")) read_camera(*table);
     read_steps(root);
     return std::move(scene_);
   }
@@ -350,6 +351,21 @@ class SceneReader {
     values_.number(table, "stiffness", 1, 1e5, "N/m", haptics.stiffness);
     values_.number(table, "damping", 0, 100, "N s/m", haptics.damping);
     values_.number(table, "max_force", 0, 100, "N", haptics.max_force);
+  }
+
+  void read_camera(const toml::value& table) {
+    toml_.allow_only(table, {"eye", "target", "up"});
+    SceneCamera camera;
+    (void)toml_.need(table, "eye", "[0.0, -100.0, 60.0]");
+    (void)toml_.need(table, "target", "[0.0, 0.0, 0.0]");
+    values_.place(table, "eye", camera.eye);
+    values_.place(table, "target", camera.target);
+    values_.direction(table, "up", camera.up);
+    const Vec3 gaze = camera.target - camera.eye;
+    if (!(gaze.norm() >= 5e-3)) toml_.fail(table, "the camera is where it looks", "put eye 5 mm away from target");
+    if (!(camera.up.cross(gaze).norm() > 1e-3 * gaze.norm()))
+      toml_.fail(table, "the camera's up lies along its view", "give another direction, e.g. up = [0.0, 1.0, 0.0]");
+    scene_.camera = camera;
   }
 
   detail::SceneValues values_;

@@ -131,6 +131,9 @@ void write_scene(std::ostream& out, const Scene& scene) {
     out << "\n[haptics]\ninstrument = " << toml_text(haptics.instrument)
         << "\nstiffness = " << toml_real(haptics.stiffness) << "  # N/m\ndamping = " << toml_real(haptics.damping)
         << "  # N s/m\nmax_force = " << toml_real(haptics.max_force) << "  # N\n";
+  if (scene.camera)
+    out << "\n[camera]\neye = " << list(scene.camera->eye) << "\ntarget = " << list(scene.camera->target)
+        << "\nup = " << list(scene.camera->up) << "\n";
 }
 
 }  // namespace calot

@@ -94,6 +94,10 @@ instrument = "left"
 stiffness = 800
 damping = 2
 max_force = 4
+[camera]
+eye = [0, -100, 20]
+target = [0, 0, 0]
+up = [0, 0, 2]
 )";
 
 TEST(SceneFile, GeneralKeys) {
@@ -114,6 +118,9 @@ TEST(SceneFile, GeneralKeys) {
   EXPECT_EQ(s.haptics.stiffness, 800);
   EXPECT_EQ(s.haptics.damping, 2);
   EXPECT_EQ(s.haptics.max_force, 4);
+  ASSERT_TRUE(s.camera);
+  EXPECT_LT((s.camera->eye - Vec3(0, -0.1, 0.02)).norm(), 1e-12);
+  EXPECT_EQ(s.camera->up, Vec3::UnitZ());
 }
 
 TEST(SceneFile, ShapesAndRegions) {

@@ -1,0 +1,4 @@
+#include "app/view_arguments.h"
+namespace calot {
+void view_in_window(const ViewArguments&) {}
+}  // namespace calot
