@@ -2,12 +2,14 @@
 
 #include <epoxy/gl.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "calot/base/error.h"
+#include "calot/view/passes/effects_drawn.h"
 #include "calot/view/passes/frame_block.h"
 #include "calot/view/passes/models_drawn.h"
 #include "calot/view/passes/screen_passes.h"
@@ -23,24 +25,27 @@ namespace {
 
 constexpr float no_tissue_distance = 0.08F;  // [m]
 
-/// The distance at which the lamp gives tissue in the middle of the field as much light as it has there on average: an
-/// endoscope's iris turns to that.
+/// The distance at which the lamp gives tissue as much light as it has here, the near and well lit counting most: an
+/// endoscope's iris turns to that. Triangles count by the angle at which they are seen.
 float metered_distance(const Snapshot& snapshot, const Camera& camera) {
-  const std::size_t n = snapshot.positions.size(), stride = 1 + n / 2000;
-  double light = 0, weights = 0;
-  for (std::size_t i = 0; i < n; i += stride) {
-    const Vec3f to = snapshot.positions[i] - camera.eye;
-    const float d2 = to.squaredNorm(), ahead = to.dot(camera.forward);
-    if (!(ahead > camera.nearest)) continue;
+  const std::size_t count = snapshot.skin.triangles.size(), stride = 1 + count / 4000;
+  const double usual = 1 / (no_tissue_distance * no_tissue_distance);
+  double weights = 0.1, light = weights * usual * usual;  // little tissue in view: as if some were where it usually is
+  for (std::size_t t = 0; t < count; t += stride) {
+    const auto& [i, j, k] = snapshot.skin.triangles[t];
+    const Vec3f a = snapshot.positions[i] - camera.eye, b = snapshot.positions[j] - camera.eye,
+                c = snapshot.positions[k] - camera.eye;
+    const Vec3f middle = (a + b + c) / 3;
+    const float d2 = middle.squaredNorm(), ahead = middle.dot(camera.forward);
+    const float facing = -0.5F * middle.dot((b - a).cross(c - a));
+    if (!(ahead > camera.nearest) || !(facing > 0)) continue;
     const float off_axis = d2 / (ahead * ahead) - 1;  // tan² of the angle
-    const double weight = std::exp(-off_axis / 0.12F);
-    light += weight / std::max(d2, 1e-4F);
+    const double lit = 1 / std::max(d2, 4e-4F);
+    const double weight = static_cast<double>(stride) * std::exp(-off_axis / 0.18F) * facing * lit / std::sqrt(d2);
+    light += weight * lit * lit;
     weights += weight;
   }
-  // Little tissue in view: as if some were at the usual distance.
-  light += 0.5 / (no_tissue_distance * no_tissue_distance);
-  weights += 0.5;
-  return static_cast<float>(std::sqrt(weights / light));
+  return static_cast<float>(std::pow(weights / light, 0.25));
 }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -62,11 +67,14 @@ std::string_view name_of(PictureQuality quality) {
 }
 
 struct Renderer::Parts {
-  explicit Parts(PictureQuality q) : quality(q), textures(q == PictureQuality::lite) {}
+  explicit Parts(PictureQuality q)
+      : quality(q), textures(q == PictureQuality::lite), liquids(q == PictureQuality::lite) {}
   void fit(const Canvas& canvas);
-  void gather(const Snapshot& snapshot, const Camera& camera);
+  void gather(const Snapshot& snapshot, const EffectsState& effects, const Camera& camera);
   void draw_shadow();
+  void bind_lamp();
   void draw_surfaces();
+  void draw_effects();
   void finish(const Canvas& canvas);
 
   PictureQuality quality;
@@ -77,6 +85,7 @@ struct Renderer::Parts {
   ModelsDrawn models;
   SurfaceDrawer drawer;
   ScreenPasses screen;
+  EffectsDrawn liquids;
   std::vector<Drawable> drawables;
   RenderStatistics statistics;
 };
@@ -102,10 +111,11 @@ void Renderer::Parts::fit(const Canvas& canvas) {
                   quality == PictureQuality::lite);
 }
 
-void Renderer::Parts::gather(const Snapshot& snapshot, const Camera& camera) {
+void Renderer::Parts::gather(const Snapshot& snapshot, const EffectsState& effects, const Camera& camera) {
   const auto start = std::chrono::steady_clock::now();
   tissue.upload(snapshot);
   statistics.upload = seconds_since(start);
+  liquids.upload(effects, camera);
   drawables.clear();
   models.add_to(snapshot, drawables);
   tissue.add_to(drawables);
@@ -120,8 +130,8 @@ void Renderer::Parts::gather(const Snapshot& snapshot, const Camera& camera) {
   statistics.index_uploads = tissue.index_uploads();
   statistics.drawables = drawables.size();
   const bool lite = quality == PictureQuality::lite;
-  frame.upload(frame_block(
-      camera, {targets->width, targets->height, targets->shadow_size, metered_distance(snapshot, camera), !lite}));
+  frame.upload(frame_block(camera, {targets->width, targets->height, targets->shadow_size,
+                                    metered_distance(snapshot, camera), effects.haze, !lite}));
 }
 
 void Renderer::Parts::draw_shadow() {
@@ -130,9 +140,18 @@ void Renderer::Parts::draw_shadow() {
   glClear(GL_DEPTH_BUFFER_BIT);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.5F, 2.0F);
+  glCullFace(GL_FRONT);  // far sides: what the lamp sees is never in its own shadow
   drawer.draw(drawables, {SurfacePass::shadow, false, false});
+  glCullFace(GL_BACK);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glViewport(0, 0, targets->width, targets->height);
+}
+
+/// The lamp's map, to compare with and as it is.
+void Renderer::Parts::bind_lamp() {
+  bind_texture(unit_of_shadow, GL_TEXTURE_2D, targets->shadow.number());
+  bind_texture(unit_of_lamp_depth, GL_TEXTURE_2D, targets->shadow.number());
+  glBindSampler(unit_of_lamp_depth, targets->plain_depth.number());
 }
 
 void Renderer::Parts::draw_surfaces() {
@@ -147,6 +166,7 @@ void Renderer::Parts::draw_surfaces() {
   if (!lite) {
     glDisable(GL_DEPTH_TEST);
     glDisable(GL_CULL_FACE);
+    bind_lamp();
     screen.ambient(*targets);
     bind_texture(unit_of_ambient, GL_TEXTURE_2D, targets->ambient_smooth.number());
     glEnable(GL_DEPTH_TEST);
@@ -154,13 +174,24 @@ void Renderer::Parts::draw_surfaces() {
     glClear(GL_COLOR_BUFFER_BIT);
   }
   textures.bind();
-  bind_texture(unit_of_shadow, GL_TEXTURE_2D, targets->shadow.number());
+  bind_lamp();
   glDepthMask(GL_FALSE);
   glDepthFunc(GL_LEQUAL);
-  drawer.draw(drawables, {SurfacePass::color, lite, false});
+  const bool painted = liquids.mask().painted();
+  drawer.draw(drawables, {SurfacePass::color, lite, painted}, [&](const Program& program) {
+    if (painted) liquids.mask().set(program);
+  });
+  glDisable(GL_CULL_FACE);
+}
+
+void Renderer::Parts::draw_effects() {
+  liquids.draw_liquids();
   glDepthMask(GL_TRUE);
   glDisable(GL_DEPTH_TEST);
-  glDisable(GL_CULL_FACE);
+  glBindFramebuffer(GL_FRAMEBUFFER, targets->light_target.number());
+  bind_texture(unit_of_depth, GL_TEXTURE_2D, targets->depth.number());
+  liquids.draw_smoke();
+  glBindSampler(unit_of_lamp_depth, 0);
 }
 
 void Renderer::Parts::finish(const Canvas& canvas) {
@@ -175,7 +206,7 @@ void Renderer::Parts::finish(const Canvas& canvas) {
                     GL_NEAREST);
 }
 
-void Renderer::render(const Snapshot& snapshot, const EffectsState&, const Camera& camera, const Canvas& canvas,
+void Renderer::render(const Snapshot& snapshot, const EffectsState& effects, const Camera& camera, const Canvas& canvas,
                       const std::function<void()>& interface) {
   Parts& p = *parts_;
   glClearColor(0, 0, 0, 1);
@@ -186,12 +217,13 @@ void Renderer::render(const Snapshot& snapshot, const EffectsState&, const Camer
     glClear(GL_COLOR_BUFFER_BIT);
   } else {
     p.fit(canvas);
-    p.gather(snapshot, camera);
+    p.gather(snapshot, effects, camera);
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
     glDepthFunc(GL_LESS);
     p.draw_shadow();
     p.draw_surfaces();
+    p.draw_effects();
     p.finish(canvas);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, canvas.framebuffer);
@@ -214,6 +246,7 @@ void Renderer::prepare(const Snapshot& snapshot) {
 std::size_t compile_all_shaders() {
   std::vector<ProgramKey> keys = all_surface_programs();
   for (const ProgramKey& key : all_screen_programs()) keys.push_back(key);
+  for (const ProgramKey& key : all_effect_programs()) keys.push_back(key);
   for (const ProgramKey& key : keys) const Program program(key);
   return keys.size();
 }

@@ -228,6 +228,10 @@ void SnapshotMaker::fill(const World& world, std::uint64_t first_event, Snapshot
 
 void SnapshotFeed::publish(const World& world) {
   maker_.follow(world);
+  hand_over(world);
+}
+
+void SnapshotFeed::hand_over(const World& world) {
   const std::uint64_t fetched = events_fetched_.load(std::memory_order_acquire);
   maker_.forget_events(fetched);
   maker_.fill(world, fetched, slots_.writing().snapshot);

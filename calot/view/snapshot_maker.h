@@ -23,7 +23,8 @@ class SkinFaces {
   std::vector<std::uint8_t> faces_;  // m, a bit for each face
 };
 
-/// Fills snapshots of one world. Call `follow` after each step, whether or not a snapshot is taken.
+/// Fills snapshots of one world, whose present skin counts as uncut. Call `follow` once after each step, whether or not
+/// a snapshot is taken.
 class SnapshotMaker {
  public:
   explicit SnapshotMaker(const World& world);
@@ -53,7 +54,7 @@ class SnapshotMaker {
 /// fetched in time is replaced by the next, but its events are in that one.
 class SnapshotFeed {
  public:
-  explicit SnapshotFeed(const World& world) : maker_(world) { publish(world); }
+  explicit SnapshotFeed(const World& world) : maker_(world) { hand_over(world); }
 
   /// After each step, on the world's thread.
   void publish(const World& world);
@@ -66,6 +67,8 @@ class SnapshotFeed {
   struct Slot {
     mutable Snapshot snapshot;  // only the side that has the slot touches it
   };
+  void hand_over(const World& world);
+
   TripleBuffer<Slot> slots_;
   SnapshotMaker maker_;
   std::atomic<std::uint64_t> events_fetched_ = 0;

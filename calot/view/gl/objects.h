@@ -59,6 +59,14 @@ struct TextureKind {
   }
   static void free(GLuint number) { glDeleteTextures(1, &number); }
 };
+struct SamplerKind {
+  static GLuint make() {
+    GLuint number = 0;
+    glGenSamplers(1, &number);
+    return number;
+  }
+  static void free(GLuint number) { glDeleteSamplers(1, &number); }
+};
 struct FramebufferKind {
   static GLuint make() {
     GLuint number = 0;
@@ -75,6 +83,7 @@ struct ProgramKind {
 using GlBuffer = GlObject<BufferKind>;
 using GlVertexArray = GlObject<VertexArrayKind>;
 using GlTexture = GlObject<TextureKind>;
+using GlSampler = GlObject<SamplerKind>;
 using GlFramebuffer = GlObject<FramebufferKind>;
 using GlProgram = GlObject<ProgramKind>;
 

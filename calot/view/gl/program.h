@@ -43,10 +43,11 @@ struct TextureUnit {
   GLint unit;
 };
 inline constexpr TextureUnit texture_units[] = {
-    {"shadow_map", 0}, {"ambient_map", 1},  {"mask_volume", 2},   {"depth_map", 3},
-    {"color_map", 4},  {"tissue_noise", 5}, {"tissue_detail", 6},  // the last two: TissueTextures::first_unit
+    {"shadow_map", 0},   {"ambient_map", 1},   {"mask_volume", 2},  {"depth_map", 3}, {"color_map", 4},
+    {"tissue_noise", 5}, {"tissue_detail", 6}, {"shadow_depth", 7},  // the last two: TissueTextures::first_unit
 };
-inline constexpr GLint unit_of_shadow = 0, unit_of_ambient = 1, unit_of_mask = 2, unit_of_depth = 3, unit_of_color = 4;
+inline constexpr GLint unit_of_shadow = 0, unit_of_ambient = 1, unit_of_mask = 2, unit_of_depth = 3, unit_of_color = 4,
+                       unit_of_lamp_depth = 7;
 
 /// Programs by their keys.
 class ProgramCache {

@@ -13,7 +13,6 @@ struct PixelFormat {
 };
 inline constexpr PixelFormat rgba8{GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE};
 inline constexpr PixelFormat rgba16f{GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT};
-inline constexpr PixelFormat r8{GL_R8, GL_RED, GL_UNSIGNED_BYTE};
 inline constexpr PixelFormat depth24{GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT};
 
 /// An empty texture, clamped at its edges.

@@ -7,6 +7,7 @@ namespace {
 
 constexpr float lens_barrel = 0.045F, lens_fringe = 0.0016F;
 constexpr float lamp_field = 1.75F;  // [rad]
+constexpr float usual_exposure = 1.5F;
 /// Light that walls and organs throw at each other: reddened, a few hundredths of the lamp's.
 const Eigen::Vector3f ambient_color{0.060F, 0.040F, 0.036F};
 
@@ -34,7 +35,7 @@ FrameBlock frame_block(const Camera& camera, const FrameSettings& s) {
   block.view_projection = view_projection(camera, aspect);
   block.light_view_projection = view_projection(lamp, 1);
   const float power = s.distance * s.distance;  // lit surfaces at that distance get 1
-  block.eye = four(camera.eye, camera.exposure);
+  block.eye = four(camera.eye, usual_exposure * camera.exposure);
   block.right = four(camera.right(), half_height(camera) * aspect);
   block.up = four(camera.up, half_height(camera));
   block.forward = four(camera.forward, camera.nearest);
@@ -42,6 +43,7 @@ FrameBlock frame_block(const Camera& camera, const FrameSettings& s) {
   block.light_axis = four(lamp.forward, camera.farthest);
   block.viewport = {w, h, 1 / w, 1 / h};
   block.ambient = four(ambient_color, 2.0F / static_cast<float>(s.shadow_size));
+  block.gas = {s.haze, 0, 0, 0};
   const bool lens = s.lens && camera.scope;
   block.scope = {radius, 1 / radius, lens ? lens_barrel : 0.0F, lens ? lens_fringe : 0.0F};
   return block;

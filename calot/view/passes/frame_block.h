@@ -7,13 +7,14 @@ namespace calot::detail {
 
 struct FrameBlock {
   Eigen::Matrix4f view_projection, light_view_projection;
-  Eigen::Vector4f eye, right, up, forward, light, light_axis, viewport, ambient, scope;
+  Eigen::Vector4f eye, right, up, forward, light, light_axis, viewport, ambient, gas, scope;
 };
 
 struct FrameSettings {
   int width = 0, height = 0;  ///< pixels
   int shadow_size = 0;        ///< of the lamp's map
   float distance = 0.08F;     ///< at which tissue is well lit [m]
+  float haze = 0;             ///< of the gas [1/m]
   bool lens = false;          ///< bends the picture and fringes its colours
 };
 

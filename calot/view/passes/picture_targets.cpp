@@ -11,6 +11,12 @@ PictureTargets::PictureTargets(int width_, int height_, int shadow_size_, bool l
   shadow = make_texture(depth24, shadow_size, shadow_size, GL_LINEAR);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  plain_depth = GlSampler::make();
+  for (const GLenum name : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    glSamplerParameteri(plain_depth.number(), name, GL_NEAREST);
+  for (const GLenum name : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T})
+    glSamplerParameteri(plain_depth.number(), name, GL_CLAMP_TO_EDGE);
+  glSamplerParameteri(plain_depth.number(), GL_TEXTURE_COMPARE_MODE, GL_NONE);
   shadow_target = make_framebuffer(0, shadow.number());
   depth = make_texture(depth24, width, height, GL_NEAREST);
   depth_target = make_framebuffer(0, depth.number());
@@ -20,9 +26,9 @@ PictureTargets::PictureTargets(int width_, int height_, int shadow_size_, bool l
   if (lite) return;
   screen = make_texture(rgba8, width, height, GL_LINEAR);
   screen_target = make_framebuffer(screen.number(), 0);
-  ambient = make_texture(r8, half_width, half_height, GL_LINEAR);
+  ambient = make_texture(rgba16f, half_width, half_height, GL_NEAREST);
   ambient_target = make_framebuffer(ambient.number(), 0);
-  ambient_smooth = make_texture(r8, half_width, half_height, GL_LINEAR);
+  ambient_smooth = make_texture(rgba16f, half_width, half_height, GL_NEAREST);
   smooth_target = make_framebuffer(ambient_smooth.number(), 0);
 }
 

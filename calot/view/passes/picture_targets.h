@@ -10,6 +10,7 @@ struct PictureTargets {
   int width, height, shadow_size;
   int half_width, half_height;
   GlTexture shadow, depth, color, screen, ambient, ambient_smooth;
+  GlSampler plain_depth;  ///< reads the lamp's map as numbers, not as comparisons
   GlFramebuffer shadow_target, depth_target, color_target, light_target, screen_target, ambient_target, smooth_target;
 };
 

@@ -1,6 +1,7 @@
 #include "calot/view/passes/still_mesh.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -57,25 +58,39 @@ ModelPart part_of(const Surface& surface) {
   return part;
 }
 
+namespace {
+
+/// Lumps of the wall, a few centimetres wide, -1 ... 1.
+float lumps(const Vec3f& p) {
+  const Vec3f a = 95.0F * p, b = 58.0F * Vec3f(p.y(), p.z(), p.x());
+  return 0.5F * std::sin(a.x() + 1.7F * std::sin(b.x())) * std::sin(a.y() + 1.3F * std::sin(b.y())) +
+         0.5F * std::sin(b.z() + 2.1F * std::sin(0.7F * a.z())) * std::sin(0.8F * b.x() + 1.1F);
+}
+
+}  // namespace
+
 ModelPart cavity_dome(const Vec3f& middle, float radius) {
-  constexpr int rings = 24, sectors = 48;
-  ModelPart part;
+  constexpr int rings = 48, sectors = 96;
+  Surface surface;
   for (int ring = 0; ring <= rings; ++ring)
-    for (int sector = 0; sector <= sectors; ++sector) {
+    for (int sector = 0; sector < sectors; ++sector) {
       const float polar = std::numbers::pi_v<float> * static_cast<float>(ring) / rings;
       const float around = 2 * std::numbers::pi_v<float> * static_cast<float>(sector) / sectors;
       const Vec3f out(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar));
-      part.positions.push_back(middle + radius * out);
-      part.normals.push_back(-out);
+      const float here = radius + 0.009F * lumps(radius * out);
+      surface.positions.push_back((middle + here * out).cast<double>());
     }
   for (std::uint32_t ring = 0; ring < rings; ++ring)
     for (std::uint32_t sector = 0; sector < sectors; ++sector) {
-      const std::uint32_t a = ring * (sectors + 1) + sector, b = a + sectors + 1;
-      part.triangles.push_back({a, a + 1, b});
-      part.triangles.push_back({a + 1, b + 1, b});
+      const std::uint32_t a = ring * sectors + sector, b = ring * sectors + (sector + 1) % sectors;
+      surface.triangles.push_back({a, b, a + sectors});
+      surface.triangles.push_back({b, b + sectors, a + sectors});
     }
-  part.grains.assign(part.positions.size(), Vec3f::Zero());
-  part.openness.assign(part.positions.size(), 1);
+  ModelPart part = part_of(surface);
+  for (const int pole : {0, rings}) {
+    const auto first = part.normals.begin() + pole * sectors;
+    std::fill(first, first + sectors, Vec3f(0, 0, pole == 0 ? -1.0F : 1.0F));
+  }
   return part;
 }
 

@@ -1,5 +1,9 @@
-// How open each place is to light from around, from the depths near it: alchemy's estimator [McGuire2011].
+// Half as wide and high as the picture: how open each place is to light from around, from the depths near it (alchemy's
+// estimator [McGuire2011]), and how much of the lamp reaches it.
+#define SOFT
 #include "frame.glsl"
+#include "material.glsl"
+#include "light.glsl"
 uniform sampler2D depth_map;
 in vec2 at;
 out vec4 color;
@@ -17,7 +21,7 @@ void main() {
   if (n.z > 0.0) n = -n;
   const float reach = 0.007;  // [m]
   float size = clamp(reach / (here.z * up.w) * 0.5, 0.004, 0.12);
-  float turn = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715)))) * 6.2831853;
+  float turn = 6.2831853 * pixel_noise(floor(gl_FragCoord.xy));
   float blocked = 0.0;
   for (int i = 0; i < 7; ++i) {
     float radius = size * (float(i) + 0.6) / 7.0, angle = turn + 2.3999632 * float(i);
@@ -25,5 +29,8 @@ void main() {
     float d2 = dot(to, to);
     blocked += max(dot(to, n) - 0.0004, 0.0) / (d2 + 1e-6) * step(d2, reach * reach) * reach;
   }
-  color = vec4(max(0.0, 1.0 - 0.16 * blocked));
+  vec3 normal = n.x * right.xyz + n.y * up.xyz + n.z * forward.xyz;
+  vec3 position = eye.xyz + here.x * right.xyz + here.y * up.xyz + here.z * forward.xyz;
+  float lamp = lamp_visibility(position, normal, length(light.xyz - position));
+  color = vec4(max(0.0, 1.0 - 0.16 * blocked), lamp, here.z, 1.0);
 }

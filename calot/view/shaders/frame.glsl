@@ -10,6 +10,7 @@ layout(std140) uniform Frame {
   vec4 light_axis;   // unit; w: far plane [m]
   vec4 viewport;     // width, height, 1 / width, 1 / height [pixels]
   vec4 ambient;      // light that comes from everywhere; w: shadow map's texel
+  vec4 gas;          // x: how much light the gas takes away [1/m]
   vec4 scope;        // radius of the round field [pixels], 0: none; 1 / radius; barrel; chromatic
 };
 

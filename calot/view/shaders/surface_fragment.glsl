@@ -1,10 +1,15 @@
 // Tissue (TISSUE, LOOK, CUT, MASK), instruments (INSTRUMENT) and the cavity's wall (CAVITY) under the lamp. LITE: the
 // final colour at once; else light for the passes that follow.
+#ifndef LITE
+#define LAMP_KNOWN
+#endif
 #include "frame.glsl"
 #include "material.glsl"
 #include "light.glsl"
 #include "tone.glsl"
 #include "bump.glsl"
+#include "noise.glsl"
+#include "smoke.glsl"
 #ifdef TISSUE
 #include "tissue.glsl"
 in vec4 condition;
@@ -60,12 +65,33 @@ vec3 light_here(float open) {
 #endif
 }
 
+#ifndef LITE
+// From the map of half the size: of the four nearest, those that lie on this surface.
+vec2 ambient_and_lamp() {
+  vec2 at = gl_FragCoord.xy * 0.5 - 0.5;
+  ivec2 corner = ivec2(floor(at)), last = textureSize(ambient_map, 0) - 1;
+  vec2 f = at - vec2(corner);
+  float depth = dot(position - eye.xyz, forward.xyz);
+  vec3 sum = vec3(0.0);
+  for (int k = 0; k < 4; ++k) {
+    ivec2 step_to = ivec2(k & 1, k >> 1);
+    vec4 known = texelFetch(ambient_map, clamp(corner + step_to, ivec2(0), last), 0);
+    vec2 share = mix(1.0 - f, f, vec2(step_to));
+    float weight = (share.x * share.y + 0.001) * max(0.0005, 1.0 - abs(known.b - depth) * 400.0);
+    sum += weight * vec3(known.rg, 1.0);
+  }
+  return sum.rg / sum.b;
+}
+#endif
+
 void main() {
 #ifdef LITE
   float radius = length(gl_FragCoord.xy - 0.5 * viewport.xy) * scope.y;
-  color = vec4(screen_value(tone_curve(light_here(1.0) * eye.w)) * field_edge(radius), 1.0);
+  color = vec4(screen_value(tone_curve(through_haze(light_here(1.0), gas.x, distance(position, eye.xyz)) * eye.w)) * field_edge(radius), 1.0);
 #else
-  float open = texture(ambient_map, gl_FragCoord.xy * viewport.zw).r;
-  color = vec4(min(light_here(open) * eye.w, vec3(200.0)), 1.0);
+  vec2 known = ambient_and_lamp();
+  float open = known.x;
+  lamp_share = known.y;
+  color = vec4(min(through_haze(light_here(open), gas.x, distance(position, eye.xyz)) * eye.w, vec3(200.0)), 1.0);
 #endif
 }
