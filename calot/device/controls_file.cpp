@@ -44,7 +44,7 @@ void read_bindings(const TomlFile& file, Bindings& bindings) {
   std::vector<std::string> known;
   for (const ActionInfo& info : all_actions()) known.emplace_back(info.name);
   file.allow_only(*section, known);
-  std::map<Key, std::string_view> taken;
+  std::map<Key, Action> taken;
   std::map<Action, std::vector<Key>> given;
   for (const ActionInfo& info : all_actions()) {
     const std::string name(info.name);
@@ -52,12 +52,13 @@ void read_bindings(const TomlFile& file, Bindings& bindings) {
     if (value == nullptr) continue;
     given[info.action] = read_keys(file, *value, name);
     for (const Key key : given[info.action]) {
-      const auto [first, is_new] = taken.emplace(key, info.name);
-      if (!is_new)
-        file.fail(
-            *value,
-            "\"" + std::string(name_of(key)) + "\" is bound twice, to " + std::string(first->second) + " and " + name,
-            "leave it to one of them");
+      const auto [first, is_new] = taken.emplace(key, info.action);
+      if (is_new) continue;
+      std::string twice = "\"";
+      twice += name_of(key);
+      twice += "\" is bound twice, to ";
+      twice += info_of(first->second).name;
+      file.fail(*value, twice + " and " + name, "leave it to one of them");
     }
   }
   for (const ActionInfo& info : all_actions()) {
