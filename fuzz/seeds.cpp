@@ -104,6 +104,19 @@ void write_scene_seeds(const fs::path& folder) {
         "time,x,y,z,qw,qx,qy,qz,opening,grip,energy,fire\n0,1,2,3,1,0,0,0,30,2,0,0\n0.5,1,2,4,0,1,0,0,0,2,1,1\n");
 }
 
+void write_device_seeds(const fs::path& folder) {
+  using namespace std::string_literals;
+  write(folder / "controls_toml" / "whole",
+        "[keys]\nclose_jaws = [\"space\", \"mouse left\"]\npause = \"F5\"\nhelp = []\n[mouse]\nspeed = 2\nwheel = 3.0\n"
+        "[keyboard]\nspeed = 80\nroll = 90\n[gamepad]\nspeed = 100\ndead_zone = 0.2\nfulcrum = true\n");
+  // Contents of a transform, a sensor with four values, and a stream that begins as a message does.
+  const std::string one = "\x3f\x80\0\0"s, zero(4, '\0');
+  write(folder / "igtl" / "transform",
+        "\1"s + one + zero + zero + zero + one + zero + zero + zero + one + one + one + one);
+  write(folder / "igtl" / "sensor", "\5\4\0"s + std::string(8 + 4 * 8, '\0'));
+  write(folder / "igtl" / "stream", "\x20\0\1STATUS"s + std::string(56, '\0'));
+}
+
 const char* const nrrd_header = R"(NRRD0005
 # a comment
 type: unsigned short
@@ -148,6 +161,7 @@ void write_all(const fs::path& folder) {
   write(folder / "dicom" / "implicit", dicom(false));
   write_patient_seeds(folder);
   write_scene_seeds(folder);
+  write_device_seeds(folder);
   TetMesh mesh = test::two_tets();
   mesh.region_names = {{1, "one"}, {2, "number two"}};
   const std::vector<VertexArray> arrays{{"u", 1, {1, 2, 3, 4, 5}}};
