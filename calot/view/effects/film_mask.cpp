@@ -29,7 +29,7 @@ double FilmMask::volume(Fluid fluid) const {
 
 double FilmMask::lay(Fluid fluid, const FilmSpot& spot, double thickness, double available) {
   const float voxel = mask_.voxel();
-  const float rough = 1 + 0.3F * value_noise(spot.rest / 1.5e-3F, 11);
+  const float rough = 1 + 0.2F * value_noise(spot.rest / 3e-3F, 11);
   const float radius = std::max(0.5F * voxel, spot.radius * rough);
   // The box of the disc, two voxels thick on either side.
   const Eigen::Vector3f extent = radius * (Eigen::Vector3f::Ones() - spot.normal.cwiseAbs2()).cwiseMax(0).cwiseSqrt() +
@@ -48,7 +48,8 @@ double FilmMask::lay(Fluid fluid, const FilmSpot& spot, double thickness, double
             std::clamp((radius - aside) / voxel + 0.5F, 0.0F, 1.0F) * std::clamp(2 - std::abs(off) / voxel, 0.0F, 1.0F);
         if (in <= 0) continue;
         std::uint8_t* now = mask_.at(x, y, z);
-        const auto more = std::min<std::int64_t>(static_cast<std::int64_t>(wanted * in) - now[c], left);
+        const float round = 1 - 0.6F * std::min(1.0F, aside * aside / (radius * radius));  // thicker in the middle
+        const auto more = std::min<std::int64_t>(static_cast<std::int64_t>(wanted * in * round) - now[c], left);
         const auto wetter = static_cast<int>(255 * in);
         if (more <= 0 && wetter < now[w] + drying_step) continue;
         if (more > 0) {

@@ -121,7 +121,7 @@ VoxelBlock MaskVolume::brick(std::uint32_t index) const {
 std::vector<VoxelBlock> MaskVolume::dirty_boxes(std::uint64_t since) const {
   std::vector<VoxelBlock> boxes;
   if (bytes_.empty()) return boxes;
-  if (since == 0) return {{{0, 0, 0}, size_}};
+  if (since == 0 || since > version_) return {{{0, 0, 0}, size_}};
   // Runs of bricks along x first: what is painted lies together.
   for (int z = 0; z < bricks_[2]; ++z)
     for (int y = 0; y < bricks_[1]; ++y) {

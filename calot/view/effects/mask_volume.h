@@ -36,7 +36,8 @@ class MaskVolume {
 
   /// Grows with every change.
   [[nodiscard]] std::uint64_t version() const { return version_; }
-  /// What changed after `since` (0: all of it), at most 16 boxes that may hold unchanged voxels too.
+  /// What changed after `since` (0, or a version that it never had: all of it), at most 16 boxes that may hold
+  /// unchanged voxels too.
   [[nodiscard]] std::vector<VoxelBlock> dirty_boxes(std::uint64_t since) const;
 
   /// A voxel, or null outside.

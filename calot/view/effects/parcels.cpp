@@ -33,8 +33,10 @@ Vec3f SurfaceFluid::heading(const Parcel& parcel, const Vec3f& down, const Vec3f
   const Vec3f ahead = rest + 1.2e-3F * down;
   const float right = film_.film(ahead + 1.1e-3F * side, parcel.fluid),
               left = film_.film(ahead - 1.1e-3F * side, parcel.fluid);
-  const float fork = static_cast<float>(mix3(parcel.id, 17, 0)[0]) * 4.6566129e-10F - 1;
-  const float angle = std::clamp(0.55F * grain + 0.7F * (right - left) + 0.25F * fork, -0.9F, 0.9F);
+  // One in sixteen leaves the beaten track.
+  const std::uint32_t word = mix3(parcel.id, 17, 0)[0];
+  const float fork = (static_cast<float>(word) * 4.6566129e-10F - 1) * (word % 16 == 0 ? 0.8F : 0.1F);
+  const float angle = std::clamp(0.55F * grain + 0.7F * (right - left) + fork, -0.9F, 0.9F);
   return std::cos(angle) * down + std::sin(angle) * side;
 }
 
@@ -91,7 +93,7 @@ void SurfaceFluid::lay_film(Parcel& parcel, double thickness, float radius) {
     const float share = static_cast<float>(k) / static_cast<float>(spots);
     const Vec3f spot = spots == 1 ? rest : Vec3f(parcel.laid + share * (rest - parcel.laid));
     const double available = options_.left_behind > 0 ? parcel.volume : 0;
-    parcel.volume -= film_.lay(parcel.fluid, {spot, normal, std::min(0.75F * radius, 4e-3F)}, left, available);
+    parcel.volume -= film_.lay(parcel.fluid, {spot, normal, std::min(0.55F * radius, 4e-3F)}, left, available);
   }
   parcel.laid = rest;
   if (parcel.volume < 0.02e-9) {

@@ -147,7 +147,7 @@ void SurfaceFluid::tend_pools(double dt) {
     const double thickness = 60e-6;
     pool.volume -= film_.lay(
         pool.fluid,
-        {here.rest(pool.place.seat), here.rest_normal(pool.place.seat.triangle), std::min(0.6F * pool.radius, 8e-3F)},
+        {here.rest(pool.place.seat), here.rest_normal(pool.place.seat.triangle), std::min(0.9F * pool.radius, 8e-3F)},
         thickness, pool.volume);
   }
   // Less than a lens: what stays is a film.
