@@ -28,6 +28,8 @@ class SceneRun {
 
   /// What an instrument's script asks at a time [s].
   [[nodiscard]] InstrumentInput asked(std::size_t instrument, double time) const;
+  /// Where an instrument's port is, if it has one [m].
+  [[nodiscard]] const std::optional<Vec3>& port(std::size_t instrument) const { return arms_[instrument].port; }
   /// What the scripts ask of each instrument at the end of the next step.
   [[nodiscard]] Inputs next_inputs() const;
   /// One step by the scripts.
