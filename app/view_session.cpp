@@ -27,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int drawing_niceness = 5;             // the world and the hands come first
+constexpr int drawing_niceness = 19;  // the world, its background work and the hands come first
 constexpr double shortest_picture = 1 / 120.0;  // [s]
 constexpr double message_life = 6;              // [s]
 constexpr float orbit_speed = 3;                // [rad] per height of the picture
