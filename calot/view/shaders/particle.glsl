@@ -8,7 +8,7 @@ float liquid_opacity(float thickness, float bile) {
 // Blood or bile `thickness` [m] deep, clotted 0 ... 1. Give shade() its material, and blend by liquid_opacity().
 Material liquid(float thickness, float bile, float clot) {
   float deep = 1.0 - exp(-thickness / 0.7e-3);
-  vec3 blood = mix(vec3(0.130, 0.008, 0.006), vec3(0.060, 0.0032, 0.0032), deep);
+  vec3 blood = mix(vec3(0.130, 0.008, 0.006), vec3(0.082, 0.0042, 0.0038), deep);
   blood = mix(blood, vec3(0.030, 0.0045, 0.004), 0.8 * clot);
   vec3 gall = mix(vec3(0.26, 0.20, 0.015), vec3(0.115, 0.090, 0.006), deep);
   Material m;
