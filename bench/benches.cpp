@@ -19,6 +19,8 @@ const std::vector<Bench>& benches() {
        bench_step},
       {"contact", "the friction problems of an operation, by us and by Siconos", bench_contact},
       {"haptics", "the 1 kHz loop pressing on a running operation: period, jitter, time of a tick", bench_haptics},
+      {"view", "pictures on a processor that draws by itself, sending a surface, and the world's pace beside them",
+       bench_view},
       {"patient", "from a CT of 512 x 512 x 300 voxels to a patient's folder", bench_patient},
       {"cohort", "twenty phantoms and every variant from CT to a checked folder, with a table", bench_cohort},
   };

@@ -13,6 +13,7 @@ std::vector<Row> bench_figure5(const BenchOptions& options);
 std::vector<Row> bench_step(const BenchOptions& options);
 std::vector<Row> bench_contact(const BenchOptions& options);
 std::vector<Row> bench_haptics(const BenchOptions& options);
+std::vector<Row> bench_view(const BenchOptions& options);
 std::vector<Row> bench_patient(const BenchOptions& options);
 std::vector<Row> bench_cohort(const BenchOptions& options);
 

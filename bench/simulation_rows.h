@@ -22,6 +22,8 @@ std::vector<Row> step_rows(const std::string& name, const Organ& organ, const St
 std::vector<Row> contact_rows(const Organ& organ, std::size_t problems);
 /// Transections of the duct by scissors while everything goes on.
 std::vector<Row> cut_rows(const Organ& organ, const std::vector<double>& shares);
+/// Pictures of an operation, the world's pace beside them, and how long a motion of the hand takes to be seen.
+std::vector<Row> view_rows(const Organ& organ, const Organ& small, std::size_t pictures, std::size_t steps);
 /// The haptic loop on a running operation.
 std::vector<Row> haptic_rows(const Organ& organ, double seconds);
 
