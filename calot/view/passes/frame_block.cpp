@@ -7,7 +7,7 @@ namespace {
 
 constexpr float lens_barrel = 0.045F, lens_fringe = 0.0016F;
 constexpr float lamp_field = 1.75F;  // [rad]
-constexpr float usual_exposure = 1.5F;
+constexpr float usual_exposure = 1.25F;
 /// Light that walls and organs throw at each other: reddened, a few hundredths of the lamp's.
 const Eigen::Vector3f ambient_color{0.060F, 0.040F, 0.036F};
 

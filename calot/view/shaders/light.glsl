@@ -92,7 +92,7 @@ vec3 shade(Material m, vec3 n, vec3 position, vec3 smooth_normal, float open) {
   float lamp = lamp_power(d2) * lamp_cone(dot(-l, light_axis.xyz)) * lamp_visibility(position, smooth_normal, distance);
   open *= m.ao;
 
-  // Wrapped diffuse light that gives back no more than it gets [McGuire2010]; wider in red, so that edges glow.
+  // Wrapped diffuse light that gives back no more than it gets [McAuley2011]; wider in red, so that edges glow.
   vec3 wrap = m.subsurface;
   vec3 wrapped = max(vec3(0.0), (n_l_raw + wrap) / ((1.0 + wrap) * (1.0 + wrap)));
   float widening = 0.0015 / distance;  // the lamp's end is about 3 mm wide [Karis2013]
@@ -107,13 +107,14 @@ vec3 shade(Material m, vec3 n, vec3 position, vec3 smooth_normal, float open) {
   vec3 bounced = ambient.rgb * open;
   vec3 indirect = m.base * (1.0 - m.metal) * bounced;
   vec3 mirrored = cavity(reflect(-v, n)) * open;
-  indirect += mirrored * (f0 + (max(vec3(1.0 - m.roughness), f0) - f0) * grazing) * (1.0 - 0.6 * m.roughness);
+  float smooth_share = (1.0 - m.roughness) * (1.0 - m.roughness);
+  indirect += mirrored * (f0 + (1.0 - f0) * 0.5 * smooth_share * grazing);
 
   // The wet film lies over all of it.
   float film = m.coat * (0.025 + 0.975 * fresnel);
   float film_rough = clamp(m.coat_roughness * m.coat_roughness + widening, 0.003, 1.0);
   vec3 color = (direct * lamp * pi + indirect) * (1.0 - film);
   color += film * specular_term(film_rough, n_h, n_l, n_v) * n_l * lamp * pi;
-  color += mirrored * m.coat * (0.025 + (1.0 - m.coat_roughness) * 0.5 * grazing) * 0.5;
+  color += mirrored * m.coat * (0.02 + (1.0 - m.coat_roughness) * 0.16 * grazing);
   return color;
 }
