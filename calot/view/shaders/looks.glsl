@@ -44,9 +44,9 @@ Recipe outside_recipe(int look) {
     r.relief = vec4(0.0, 0.0, 0.08, 0.0), r.grain = 0.0;
     r.roughness = 0.55, r.coat = 0.65, r.coat_roughness = 0.28, r.subsurface = vec3(0.22, 0.06, 0.04);
   } else if (look == GALLBLADDER) {
-    r.low = vec3(0.43, 0.485, 0.39), r.high = vec3(0.61, 0.655, 0.565);
+    r.low = vec3(0.39, 0.45, 0.345), r.high = vec3(0.56, 0.61, 0.51);
     r.pattern = vec4(0.0, 0.0, 1.1, 0.15), r.bias = 0.45;
-    r.patch_color = vec3(0.51, 0.53, 0.34), r.patches = 0.6;
+    r.patch_color = vec3(0.47, 0.495, 0.28), r.patches = 0.6;
     r.mark = vec3(0.50, 0.17, 0.18), r.vessels = vec3(0.75, 0.5, 0.25);
     r.tile = 21.0, r.large = 83.0;
     r.relief = vec4(0.0, 0.0, 0.10, 0.02), r.grain = 0.006;
@@ -69,16 +69,16 @@ Recipe outside_recipe(int look) {
     r.roughness = 0.42, r.coat = 0.95, r.coat_roughness = 0.16, r.subsurface = vec3(0.40, 0.12, 0.10);
   } else if (look == FAT) {
     r.low = vec3(0.80, 0.53, 0.31), r.high = vec3(0.91, 0.75, 0.45);
-    r.pattern = vec4(0.0, 0.9, 0.35, 0.0), r.bias = 0.55;
+    r.pattern = vec4(0.0, 0.65, 0.55, 0.0), r.bias = 0.55;
     r.patch_color = vec3(0.89, 0.69, 0.38);
     r.mark = vec3(0.67, 0.24, 0.19), r.vessels = vec3(0.35, 0.35, 0.15);
     r.tile = 14.0, r.large = 59.0;
-    r.relief = vec4(0.0, 0.65, 0.06, 0.0), r.grain = 0.004;
-    r.roughness = 0.48, r.coat = 0.75, r.coat_roughness = 0.24, r.subsurface = vec3(0.45, 0.33, 0.15);
+    r.relief = vec4(0.0, 0.36, 0.10, 0.0), r.grain = 0.004;
+    r.roughness = 0.5, r.coat = 0.65, r.coat_roughness = 0.28, r.subsurface = vec3(0.45, 0.33, 0.15);
   } else if (look == BED) {
-    r.low = vec3(0.48, 0.19, 0.165), r.high = vec3(0.62, 0.32, 0.275);
+    r.low = vec3(0.44, 0.165, 0.145), r.high = vec3(0.565, 0.275, 0.235);
     r.pattern = vec4(0.0, 0.0, 1.0, 0.3), r.bias = 0.45;
-    r.patch_color = vec3(0.69, 0.48, 0.42), r.patches = 0.45;
+    r.patch_color = vec3(0.62, 0.41, 0.355), r.patches = 0.4;
     r.mark = vec3(0.85, 0.76, 0.70), r.vessels = vec3(0.0), r.strands = 0.6;
     r.stretch = vec3(1.0, 0.7, 0.3), r.tile = 11.0, r.large = 47.0;
     r.relief = vec4(0.0, 0.1, 0.12, 0.12), r.grain = 0.0;

@@ -50,7 +50,7 @@ void char_over(inout Material m, float charred, vec4 s) {
 // Blood or bile: lets the tissue through where thin, stands over it where thick, and shines.
 // `through`: what a thin film lets through; `shallow`, `deep`: its own colour, thin and thick.
 void film_over(inout Material m, float mask, float noise, vec3 through, vec3 shallow, vec3 deep) {
-  float film = ragged(mask, noise, 0.18, 0.30);
+  float film = ragged(mask, noise, 0.16, 0.46);
   float thick = film * smoothstep(0.25, 1.05, mask + 0.35 * (noise - 0.5));
   vec3 clear = mix(vec3(1.0), through * (1.0 - thick), film);
   m.base = m.base * clear + mix(shallow, deep, thick) * (1.0 - clear);
@@ -79,10 +79,10 @@ Material tissue(int look, bool cut, vec3 rest, vec3 rest_normal, vec4 condition,
   float pattern = clamp(dot(r.pattern, s - 0.5) + r.bias, 0.0, 1.0);
   vec3 color = mix(r.low, r.high, pattern);
   color = mix(color, r.patch_color, r.patches * smoothstep(0.15, 0.85, large));
-  float tube = smoothstep(0.84, 0.93, s.g) * smoothstep(0.40, 0.55, s.b);
+  float tube = smoothstep(0.82, 0.94, s.g) * smoothstep(0.40, 0.55, s.b);
   float marks = dot(r.vessels, v.rgb) + r.ducts * tube + r.strands * s.a * smoothstep(0.25, 0.65, s.b);
   color = mix(color, r.mark, min(marks, 0.9));
-  color *= 1.0 - 0.9 * r.ducts * tube * smoothstep(0.93, 0.98, s.g);  // what flows in the tube is dark
+  color *= 1.0 - 0.75 * r.ducts * tube * smoothstep(0.92, 0.99, s.g);  // what flows in the tube is dark
 
   Material m;
   m.base = linear_light(color);
