@@ -21,7 +21,7 @@ void SurfaceFluid::add_pool(const Place& place, Fluid fluid, double volume) {
     return;
   }
   const Vec3f here = position(place);
-  const auto own = static_cast<float>(shape(volume, fluid, 0.5F).radius);
+  const auto own = static_cast<float>(shape(volume, fluid, 1).radius);
   Lens* nearest = nullptr;
   float least = 1e30F;
   for (Lens& pool : pools_) {
@@ -49,7 +49,7 @@ void SurfaceFluid::add_pool(const Place& place, Fluid fluid, double volume) {
 
 /// Radius and depth of its volume; the ring is found anew once it has grown or the surface may have bent.
 void SurfaceFluid::shape_lens(Lens& lens) {
-  const LensShape form = shape(lens.volume, lens.fluid, 0.5F);
+  const LensShape form = shape(lens.volume, lens.fluid, 1);
   lens.radius = static_cast<float>(form.radius);
   if (lens.draped == 0) lens.depth = static_cast<float>(form.depth);
   ++lens.since;
