@@ -377,7 +377,7 @@ void TissueHeat::harm(const TetMesh& mesh, double dt) {
       changed = changed || harmed_[v.index()] != 0;
     }
     if (!changed) continue;
-    const auto level = static_cast<std::uint8_t>(coagulated * options_.stiffness_levels + 0.5);
+    const auto level = static_cast<std::uint8_t>(std::lround(coagulated * options_.stiffness_levels));
     if (level <= level_[t]) continue;
     level_[t] = level;
     report_.stiffened.emplace_back(t);
