@@ -126,7 +126,28 @@ void LiveRun::hold(Grip& grip, std::size_t hand, SceneRun& run) {
   HandOptions options;
   const Pose& pose = last_[k].pose;
   options.port = run.port(k).value_or(Vec3(pose.position - outside * (pose.rotation * Vec3::UnitZ())));
-  grip.hand.emplace(run.world().instruments()[k].geometry(), options, pose);
+  const InstrumentGeometry& geometry = run.world().instruments()[k].geometry();
+  grip.hand.emplace(geometry, options, pose);
+  if (options_.force)
+    grip.force = std::make_unique<ForceHand>(options_.force->device(static_cast<int>(hand)), geometry, options, pose,
+                                             scene_.time_step);
+}
+
+// A device with force goes before a gamepad, that before mouse and keys.
+InstrumentInput LiveRun::ask(Grip& grip, int hand) {
+  if (grip.force)
+    if (const auto felt = grip.force->ask(options_.force->controls(hand))) return *felt;
+  DeviceState state = pads_.device(hand).read();
+  HandControls controls = pads_.controls(hand);
+  const bool by_pad = state.connected;
+  const DeviceState desk = desktop_.device(hand).read();
+  if (!by_pad) {
+    state = desk;
+    controls = desktop_.controls(hand);
+  }
+  if (by_pad != grip.by_pad) state.connected = false;  // another device: it takes hold anew
+  grip.by_pad = by_pad;
+  return grip.hand->update(state, controls, scene_.time_step);
 }
 
 // What the scripts ask, or what an instrument was asked last; and instead of it what the hands do.
@@ -137,21 +158,8 @@ SceneRun::Inputs LiveRun::ask(SceneRun& run) {
   else
     inputs.assign(last_.begin(), last_.end());
   for (std::size_t h = 0; h < grips_.size(); ++h) {
-    Grip& grip = grips_[h];
-    hold(grip, h, run);
-    if (!grip.hand) continue;
-    const int number = static_cast<int>(h);
-    DeviceState state = pads_.device(number).read();
-    HandControls controls = pads_.controls(number);
-    const bool by_pad = state.connected;
-    const DeviceState desk = desktop_.device(number).read();
-    if (!by_pad) {
-      state = desk;
-      controls = desktop_.controls(number);
-    }
-    if (by_pad != grip.by_pad) state.connected = false;  // another device: it takes hold anew
-    grip.by_pad = by_pad;
-    inputs[static_cast<std::size_t>(grip.instrument)] = grip.hand->update(state, controls, scene_.time_step);
+    hold(grips_[h], h, run);
+    if (grips_[h].hand) inputs[static_cast<std::size_t>(grips_[h].instrument)] = ask(grips_[h], static_cast<int>(h));
   }
   for (std::size_t k = 0; k < last_.size(); ++k) last_[k] = *inputs[k];
   return inputs;
@@ -161,7 +169,7 @@ void LiveRun::run_once(std::uint64_t number) {
   SceneRun run(scene_);
   last_.clear();
   for (std::size_t k = 0; k < scene_.instruments.size(); ++k) last_.push_back(run.asked(k, 0));
-  grips_ = {};
+  for (Grip& grip : grips_) grip = {};
   std::optional<InputRecorder> recorder;
   if (!options_.record.empty() && number == 1) {
     RecordingHeader header{CALOT_VERSION, scene_.file.string(), run.hash(), blas::kernel_name(), scene_.time_step, {}};
@@ -183,6 +191,8 @@ void LiveRun::run_once(std::uint64_t number) {
     if (recorder) recorder->step(inputs);
     run.step(std::move(inputs));
     feed->publish(run.world());
+    for (const Grip& grip : grips_)
+      if (grip.force) grip.force->give(run.world(), static_cast<std::size_t>(grip.instrument));
     const double took = seconds_since(begin);
     due += period;
     {

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -10,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "app/force_hand.h"
 #include "calot/device/gamepads.h"
 #include "calot/scene/recording.h"
 #include "calot/scene/scene_world.h"
@@ -19,9 +21,16 @@ namespace calot {
 
 inline constexpr int live_hands = 2;
 
+/// Devices with force, one for each hand; both functions from any thread.
+struct ForceDevices {
+  std::function<HapticDevice&(int hand)> device;
+  std::function<HandControls(int hand)> controls;
+};
+
 struct LiveOptions {
-  bool play = false;             ///< instruments that no hand holds follow the scene's scripts
-  std::filesystem::path record;  ///< what they were asked goes into this new file; or empty
+  bool play = false;                       ///< instruments that no hand holds follow the scene's scripts
+  std::filesystem::path record;            ///< what they were asked goes into this new file; or empty
+  std::optional<ForceDevices> force = {};  ///< who hold the instruments from their first good sample on
 };
 
 struct LiveStatistics {
@@ -60,10 +69,12 @@ class LiveRun {
     int instrument = -1;
     bool by_pad = false;
     std::optional<Hand> hand;
+    std::unique_ptr<ForceHand> force;
   };
   void live();
   void run_once(std::uint64_t number);
   SceneRun::Inputs ask(SceneRun& run);
+  InstrumentInput ask(Grip& grip, int hand);
   void hold(Grip& grip, std::size_t hand, SceneRun& run);
   [[nodiscard]] bool wait_while_paused();
 

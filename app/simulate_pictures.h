@@ -4,8 +4,8 @@
 #include <map>
 #include <vector>
 
-#include "calot/scene/scene_world.h"
 #include "calot/picture/picture.h"
+#include "calot/scene/scene_world.h"
 
 namespace calot {
 

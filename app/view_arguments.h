@@ -11,8 +11,8 @@ namespace calot {
 struct ViewArguments {
   std::filesystem::path scene, png, video, replay, record, controls, text;
   std::uint64_t steps = 0, every = 60;
-  std::string size, quality;
-  bool headless = false, play = false, mute = false, spectator = false;
+  std::string size, quality, device;
+  bool headless = false, play = false, mute = false, spectator = false, list_devices = false;
 
   /// Width and height of the pictures, and their quality. Throw InputError naming the option.
   [[nodiscard]] std::pair<int, int> pixels() const;

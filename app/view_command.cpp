@@ -3,9 +3,10 @@
 
 #include "app/arguments.h"
 #include "app/commands.h"
+#include "app/terminal.h"
 #include "app/view_arguments.h"
 #include "calot/base/error.h"
-#include "calot/sound/wav.h"
+#include "calot/device/devices.h"
 
 namespace calot {
 
@@ -26,11 +27,20 @@ PictureQuality ViewArguments::picture_quality(PictureQuality usual) const {
   throw InputError("--quality", "\"" + quality + "\" isn't one", "give full, lite or none");
 }
 
+namespace {
+
+void tell_devices() {
+  for (const DeviceInfo& device : list_devices())
+    say(device.choice + ": " + device.words + (device.present ? "" : " (not there)"));
+}
+
+}  // namespace
+
 void add_view_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("view", "Opens a scene to be seen, heard and handled; or pictures and a film of it");
   const auto arguments = std::make_shared<ViewArguments>();
-  command->add_option("SCENE", arguments->scene, "scene.toml; examples/scenes has some")->required();
+  command->add_option("SCENE", arguments->scene, "scene.toml; examples/scenes has some");
   command->add_flag("--play", arguments->play, "the scene's scripts move the instruments until a hand takes them");
   command->add_option("--quality", arguments->quality,
                       "full, lite or none; in a window without a graphics card lite, else full");
@@ -38,6 +48,10 @@ void add_view_command(CLI::App& app) {
   command->add_flag("--spectator", arguments->spectator, "the whole rectangle instead of a laparoscope's round field");
   command->add_flag("--mute", arguments->mute, "no sound");
   command->add_option("--record", arguments->record, "writes what every instrument was asked into a new file");
+  command->add_option("--device", arguments->device,
+                      "network or network:ADDRESS:PORT for manipulators by OpenIGTLink, mock for a simulated hand; "
+                      "mouse, keyboard and gamepads need none");
+  command->add_flag("--list-devices", arguments->list_devices, "says which devices there are, and ends");
   command->add_option("--controls", arguments->controls, "a file that changes keys and speeds; docs/devices.md");
   command->add_option("--text", arguments->text, "a file with the interface's words in another language; docs/view.md");
   command->add_flag("--headless", arguments->headless, "no window: writes what --png and --video name");
@@ -55,6 +69,9 @@ void add_view_command(CLI::App& app) {
       "  calot view examples/scenes/burn.toml --headless --png pictures --every 30\n"
       "  calot view examples/scenes/clip_and_cut.toml --headless --video film.mp4 --size 1280x720");
   command->callback([arguments] {
+    if (arguments->list_devices) return tell_devices();
+    if (arguments->scene.empty())
+      throw InputError("SCENE", "is missing", "name a scene.toml; examples/scenes has some");
     if (arguments->headless) return view_headless(*arguments);
     for (const auto& [name, given] : {std::pair{"--png", !arguments->png.empty()},
                                       {"--video", !arguments->video.empty()},

@@ -16,6 +16,8 @@
 #include "app/view_sounds.h"
 #include "app/view_window.h"
 #include "calot/base/error.h"
+#include "calot/device/devices.h"
+#include "calot/device/network.h"
 #include "calot/device/sdl_events.h"
 #include "calot/scene/scene_file.h"
 #include "calot/sound/sound_player.h"
@@ -27,7 +29,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int drawing_niceness = 19;  // the world, its background work and the hands come first
+constexpr int drawing_niceness = 19;            // the world, its background work and the hands come first
 constexpr double shortest_picture = 1 / 120.0;  // [s]
 constexpr double message_life = 6;              // [s]
 constexpr float orbit_speed = 3;                // [rad] per height of the picture
@@ -97,6 +99,8 @@ class Session {
   void obey(const InterfaceActions& actions);
   void save_picture();
   void describe();
+  [[nodiscard]] LiveOptions live_options();
+  void show_others();
   [[nodiscard]] std::optional<HandState> hand_state(int hand) const;
   [[nodiscard]] const Camera& camera() const { return state_.spectator ? outside_ : scope_; }
 
@@ -106,6 +110,8 @@ class Session {
   Desktop desktop_;
   Gamepads pads_;
   std::vector<InstrumentGeometry> tools_;
+  std::optional<NetworkDevices> network_;
+  std::array<std::unique_ptr<HapticDevice>, live_hands> mocks_;
   LiveRun live_;
   Camera scope_, outside_;
   float orbit_distance_ = 0.1F;
@@ -161,7 +167,7 @@ Session::Session(const ViewArguments& arguments)
       desktop_(settings_, live_hands),
       pads_(settings_, live_hands),
       tools_(tools_of(scene_)),
-      live_(scene_, desktop_, pads_, {arguments.play, arguments.record}),
+      live_(scene_, desktop_, pads_, live_options()),
       scope_(first_camera(scene_)),
       outside_(scope_),
       still_(surfaces_of(scene_)),
@@ -186,6 +192,38 @@ Session::Session(const ViewArguments& arguments)
   interface_.show_help();
 }
 
+LiveOptions Session::live_options() {
+  LiveOptions options{arguments_.play, arguments_.record};
+  if (arguments_.device.empty()) return options;
+  const DeviceChoice choice = read_device_choice(arguments_.device);
+  if (choice.kind == DeviceKind::network) {
+    NetworkOptions network;
+    network.address = choice.address;
+    network.port = choice.port;
+    network_.emplace(network);
+    say("waiting for manipulators at " + choice.address + ":" + std::to_string(network_->port()));
+    options.force = {[this](int hand) -> HapticDevice& { return network_->device(hand); },
+                     [this](int hand) { return network_->controls(hand); }};
+  } else if (choice.kind == DeviceKind::mock) {
+    for (auto& mock : mocks_) mock = make_mock_device(Pose{});
+    options.force = {[this](int hand) -> HapticDevice& { return *mocks_[static_cast<std::size_t>(hand)]; },
+                     [](int) { return HandControls{}; }};
+  }
+  return options;
+}
+
+// The organs, for other programs on the network.
+void Session::show_others() {
+  if (!network_) return;
+  for (const std::string& line : network_->take_status()) messages_.push_back({line, MessageKind::note, 0});
+  if (!fresh_) return;
+  OrganSurface& surface = network_->next_surface();
+  surface.topology = snapshot_->skin.version;
+  surface.positions.assign(snapshot_->positions.begin(), snapshot_->positions.end());
+  surface.triangles.assign(snapshot_->skin.triangles.begin(), snapshot_->skin.triangles.end());
+  network_->publish_surface();
+}
+
 void Session::run() {
   while (open_ && !terminal_progress().stop_requested()) {
     const auto begin = Clock::now();
@@ -193,6 +231,7 @@ void Session::run() {
     take_events();
     fetch();
     aim();
+    show_others();
     draw();
     const double took = std::chrono::duration<double>(Clock::now() - begin).count();
     if (took < shortest_picture) std::this_thread::sleep_for(std::chrono::duration<double>(shortest_picture - took));
