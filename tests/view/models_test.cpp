@@ -217,6 +217,65 @@ TEST_P(Models, CoverTheShapesThatTheSimulationFeels) {
   EXPECT_LE(farthest, 0.3 * mm) << (worst / mm).transpose();
 }
 
+/// A clip with legs this far apart.
+ClipSnapshot clip_with_gap(double gap) {
+  ClipSnapshot clip;
+  const double radius = 0.5 * mm, y = gap / 2 + radius, half = 4.25 * mm;
+  const Vec3 a0(0, -y, -half), a1(0, -y, half), b0(0, y, -half), b1(0, y, half);
+  clip.shape.pieces = {{{a0, a1, a1}, 2, radius}, {{b0, b1, b1}, 2, radius}, {{a0, b0, b0}, 2, radius}};
+  return clip;
+}
+
+TEST(ClipModels, LieOnTheClipsShapeWhileItCloses) {
+  for (const double gap : {0.8 * mm, 1.4 * mm, 3 * mm, 6 * mm}) {
+    const ClipSnapshot clip = clip_with_gap(gap);
+    const ModelPart part = clip_model(clip);
+    expect_sound(part, "clip");
+    EXPECT_EQ(part.material, ModelMaterial::titanium);
+    for (const Vec3f& p : part.positions)
+      EXPECT_LE(std::abs(shape_distance(clip.shape, p.cast<double>())), 0.5 * mm) << p.transpose();
+    double farthest = 0, out = 0;
+    for (const Vec3& p : points_on(clip.shape, clip.shape)) farthest = std::max(farthest, model_distance({&part}, p));
+    for (const Vec3f& p : part.positions) out = std::max(out, shape_distance(clip.shape, p.cast<double>()));
+    EXPECT_LE(farthest, 0.3 * mm) << gap;
+    EXPECT_LE(out, 0.3 * mm) << gap;
+  }
+}
+
+TEST(ClipModels, ALoadedClipLiesBetweenTheJaws) {
+  const InstrumentGeometry applier = instrument_geometry(InstrumentKind::clip_applier);
+  for (const double share : {0.25, 0.6, 1.0}) {
+    const double opening = share * applier.max_opening;
+    const ModelPart part = loaded_clip_model(applier, opening);
+    expect_sound(part, "loaded clip");
+    const Pose jaw_a = articulate(applier, opening).jaw_a.inverse(),
+               jaw_b = articulate(applier, opening).jaw_b.inverse();
+    for (const Vec3f& position : part.positions) {
+      const Vec3 p = position.cast<double>();
+      EXPECT_LE(p.z(), applier.jaw_length);
+      EXPECT_GE((jaw_a * p).y(), -0.29 * mm);  // no deeper than the channel
+      EXPECT_LE((jaw_b * p).y(), 0.29 * mm);
+    }
+  }
+}
+
+TEST(ClipModels, AnApplierShowsItsNextClipOnceItIsAwayFromTheLast) {
+  Snapshot snapshot;
+  snapshot.instruments.resize(2);
+  snapshot.instruments[0].kind = InstrumentKind::clip_applier;
+  snapshot.instruments[0].opening = 0.3;
+  snapshot.instruments[1].opening = 0.3;
+  EXPECT_TRUE(shows_loaded_clip(snapshot, 0));
+  EXPECT_FALSE(shows_loaded_clip(snapshot, 1)) << "a grasper has none";
+  snapshot.clips.push_back(clip_with_gap(1 * mm));
+  snapshot.clips[0].frame.position = snapshot.instruments[0].pose * Vec3(0, 0, 13 * mm);
+  EXPECT_FALSE(shows_loaded_clip(snapshot, 0));
+  snapshot.clips[0].frame.position.x() += 12 * mm;
+  EXPECT_TRUE(shows_loaded_clip(snapshot, 0));
+  snapshot.instruments[0].opening = 0.02;
+  EXPECT_FALSE(shows_loaded_clip(snapshot, 0));
+}
+
 std::string parameter_name(const testing::TestParamInfo<InstrumentKind>& info) {
   std::string name(name_of(info.param));
   std::replace(name.begin(), name.end(), ' ', '_');

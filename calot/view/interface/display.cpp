@@ -301,8 +301,7 @@ std::vector<CommandPlace> draw_commands(const Pen& pen) {
 }
 
 const std::string& words_of(const Pen& pen, const InterfaceControl& control) {
-  const std::string* words = pen.texts.control(control.name);
-  return words != nullptr ? *words : control.words;
+  return pen.texts.control(control.name, control.words);
 }
 
 Text text_of(InterfaceCommand command, const InterfaceState& state) {

@@ -46,9 +46,9 @@ struct InterfaceDevice {
 
 /// A line of the page of keys.
 struct InterfaceControl {
-  std::string name;               ///< key of [controls] in the text file; others show `words`
-  std::vector<std::string> keys;  ///< "w", "left ctrl", "mouse left", "mouse", "wheel" …
-  std::string words;
+  std::string name;               ///< key of [controls] in the text file; may be empty
+  std::vector<std::string> keys;  ///< "w", "left ctrl", "mouse left", "mouse", "wheel" …; "a, b" are two
+  std::string words;              ///< in English; the text file's are shown if it knows them
 };
 
 enum class InterfaceCommand : std::uint8_t { pause, restart, settings, help, spectator, picture, quit };

@@ -32,18 +32,25 @@ int choice(const Pen& pen, const char* name, int chosen, const std::array<Text, 
   return now;
 }
 
-/// Height that a line of keys takes.
-struct ControlSize {
-  float keys = 0, height = 0;
-};
-
 bool is_mouse(const std::string& key) {
   return key.substr(0, 5) == "mouse" || key == "wheel";
 }
 
+/// One by one: "space, mouse left" is two.
+std::vector<std::string> keys_of(const InterfaceControl& control) {
+  std::vector<std::string> keys;
+  for (std::string rest : control.keys)
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find(", "), rest.size());
+      keys.push_back(rest.substr(0, end));
+      rest.erase(0, std::min(end + 2, rest.size()));
+    }
+  return keys;
+}
+
 float keys_width(const Pen& pen, const InterfaceControl& control) {
   float width = 0;
-  for (const std::string& key : control.keys)
+  for (const std::string& key : keys_of(control))
     width += (is_mouse(key) ? 1.5F * pen.m.small : key_width(pen, pen.fonts.small(), key)) + 0.3F * pen.m.small;
   return width;
 }
@@ -58,7 +65,7 @@ float words_height(const Pen& pen, const InterfaceControl& control, float width)
 void draw_control(const Pen& pen, const InterfaceControl& control, ImVec2 at, float keys, float width) {
   ImFont* font = pen.fonts.small();
   float x = at.x;
-  for (const std::string& key : control.keys) {
+  for (const std::string& key : keys_of(control)) {
     if (is_mouse(key)) {
       draw_mouse(pen, {x, at.y}, 1.3F * font->FontSize, key);
       x += 1.5F * font->FontSize;
@@ -215,7 +222,13 @@ void Pages::draw_settings(const Pen& pen, InterfaceActions& actions) {
       if (format.compare(at, 2, "%d") != 0) format.insert(at, 1, '%');  // as ImGui wants it
     ImGui::SliderInt(("##" + std::string(key_of(text))).c_str(), &whole, low, high, format.c_str(),
                      ImGuiSliderFlags_AlwaysClamp);
-    return std::lround(100 * value) == whole ? value : 0.01 * step * std::round(static_cast<double>(whole) / step);
+    const int before = static_cast<int>(std::lround(100 * value));
+    const double steps = static_cast<double>(whole) / step;  // a key goes to the next one, the mouse to the nearest
+    const double next = ImGui::GetIO().MouseDown[0] ? std::round(steps)
+                        : whole > before            ? std::ceil(steps)
+                                                    : std::floor(steps);
+    const int now_whole = whole == before ? before : step * static_cast<int>(next);
+    return now_whole == before ? value : 0.01 * now_whole;
   };
   label(Text::settings_quality);
   now.quality = static_cast<PictureQuality>(

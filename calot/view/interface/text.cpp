@@ -139,6 +139,7 @@ TextTable TextTable::english() {
   }
   for (const auto& [name, words] : toml::find<toml::table>(root, std::string(controls_name)))
     table.controls_[name] = words.as_string().str;
+  for (const auto& [name, words] : table.controls_) table.name_of_english_[words] = name;
   return table;
 }
 
@@ -165,6 +166,7 @@ TextTable TextTable::load(const std::filesystem::path& path) {
     return text;
   };
   TextTable table;
+  table.name_of_english_ = source.name_of_english_;
   for (std::size_t k = 0; k < text_count; ++k) {
     const auto [section, name] = section_and_name(keys[k]);
     table.texts_.push_back(read(section, name, source.texts_[k]));
@@ -184,9 +186,12 @@ std::string TextTable::filled(Text text, std::initializer_list<std::pair<std::st
   return out;
 }
 
-const std::string* TextTable::control(const std::string& name) const {
-  const auto found = controls_.find(name);
-  return found == controls_.end() ? nullptr : &found->second;
+const std::string& TextTable::control(const std::string& name, const std::string& english) const {
+  auto found = controls_.find(name);
+  if (found == controls_.end())
+    if (const auto known = name_of_english_.find(english); known != name_of_english_.end())
+      found = controls_.find(known->second);
+  return found == controls_.end() ? english : found->second;
 }
 
 std::string TextTable::letters() const {

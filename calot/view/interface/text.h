@@ -29,8 +29,9 @@ class TextTable {
   /// With {placeholders} filled.
   [[nodiscard]] std::string filled(Text text,
                                    std::initializer_list<std::pair<std::string_view, std::string>> values) const;
-  /// What a key of [controls] does; nullptr for a name that the table doesn't have.
-  [[nodiscard]] const std::string* control(const std::string& name) const;
+  /// What a key does, in this language: by its name in [controls], or by the English words there; `english` itself
+  /// where the table has neither.
+  [[nodiscard]] const std::string& control(const std::string& name, const std::string& english) const;
   [[nodiscard]] const std::map<std::string, std::string>& controls() const { return controls_; }
   /// All of it in one string, so that a font can be made with every letter it needs.
   [[nodiscard]] std::string letters() const;
@@ -38,6 +39,7 @@ class TextTable {
  private:
   std::vector<std::string> texts_;
   std::map<std::string, std::string> controls_;
+  std::map<std::string, std::string> name_of_english_;  // of controls, by their words
 };
 
 }  // namespace calot

@@ -101,7 +101,7 @@ bool shows_loaded_clip(const Snapshot& snapshot, std::size_t index) {
 ModelPart clip_model(const ClipSnapshot& clip) {
   const RoundedPiece& a = clip.shape.pieces[0];
   const RoundedPiece& b = clip.shape.pieces[1];
-  const double bend = std::min(0.55 * mm, std::abs(a.corners[0].y()));
+  const double bend = std::min(0.5 * mm, std::abs(a.corners[0].y()));
   const Vec3 up(0, 0, bend), across(0, bend, 0);
   constexpr double round = 0.55;  // of a quarter circle as a cubic
   std::vector<Vec3> path{a.corners[1], a.corners[0] + up};
