@@ -41,7 +41,7 @@ float metered_distance(const Snapshot& snapshot, const Camera& camera) {
     if (!(ahead > camera.nearest) || !(facing > 0)) continue;
     const float off_axis = d2 / (ahead * ahead) - 1;  // tan² of the angle
     const double lit = 1 / std::max(d2, 4e-4F);
-    const double weight = static_cast<double>(stride) * std::exp(-off_axis / 0.18F) * facing * lit / std::sqrt(d2);
+    const double weight = static_cast<double>(stride) * std::exp(-off_axis / 0.4F) * facing * lit / std::sqrt(d2);
     light += weight * lit * lit;
     weights += weight;
   }

@@ -35,6 +35,19 @@ std::array<std::int16_t, 4> packed_normal(const Eigen::Vector3f& normal) {
   return out;
 }
 
+namespace {
+
+std::array<std::uint8_t, 4> packed(const SkinCondition& condition) {
+  using Four = Eigen::Array4f;
+  const Four c(condition.coagulated, condition.charred, condition.blanched, condition.bruised);
+  if ((c == 0).all()) return {};  // most tissue
+  const Eigen::Array4i bytes = (c.max(0.0F).min(1.0F) * 255.0F + 0.5F).cast<int>();
+  return {static_cast<std::uint8_t>(bytes[0]), static_cast<std::uint8_t>(bytes[1]), static_cast<std::uint8_t>(bytes[2]),
+          static_cast<std::uint8_t>(bytes[3])};
+}
+
+}  // namespace
+
 void SurfaceStream::pack(std::span<const Vec3f> positions, std::span<const SkinCondition> conditions,
                          StreamVertex* out) {
   place_.resize(first_of_.size());
@@ -49,15 +62,14 @@ void SurfaceStream::pack(std::span<const Vec3f> positions, std::span<const SkinC
     sum_[b] += normal;
     sum_[c] += normal;
   }
-  for (Eigen::Vector4f& s : sum_) s *= 32767.0F / std::sqrt(std::max(s.squaredNorm(), 1e-30F));
-  const auto byte = [](float x) { return static_cast<std::uint8_t>(std::clamp(x, 0.0F, 1.0F) * 255.0F + 0.5F); };
   for (std::size_t i = 0; i < group_.size(); ++i) {
-    const Eigen::Vector4f& s = sum_[group_[i]];
-    const SkinCondition& c = conditions[i];
+    const Eigen::Vector4f& sum = sum_[group_[i]];
+    const float length = std::sqrt(std::max(sum.squaredNorm(), 1e-30F));
+    const Eigen::Array4i n = (sum.array() * (32767.0F / length)).cast<int>();
     out[i].position = {positions[i].x(), positions[i].y(), positions[i].z()};
-    out[i].normal = {static_cast<std::int16_t>(s[0]), static_cast<std::int16_t>(s[1]), static_cast<std::int16_t>(s[2]),
+    out[i].normal = {static_cast<std::int16_t>(n[0]), static_cast<std::int16_t>(n[1]), static_cast<std::int16_t>(n[2]),
                      0};
-    out[i].condition = {byte(c.coagulated), byte(c.charred), byte(c.blanched), byte(c.bruised)};
+    out[i].condition = packed(conditions[i]);
   }
 }
 
