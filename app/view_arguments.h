@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "calot/view/renderer.h"
 
@@ -11,6 +12,7 @@ namespace calot {
 struct ViewArguments {
   std::filesystem::path scene, png, video, replay, record, controls, text;
   std::uint64_t steps = 0, every = 60;
+  std::vector<std::uint64_t> at;  ///< steps to be pictured; empty: every so many
   std::string size, quality, device;
   bool headless = false, play = false, mute = false, spectator = false, list_devices = false;
 

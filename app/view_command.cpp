@@ -59,6 +59,8 @@ void add_view_command(CLI::App& app) {
   command->add_option("--png", arguments->png,
                       "headless: folder for pictures: the first step, the last and every so many");
   command->add_option("--every", arguments->every, "steps from one picture to the next")->capture_default_str();
+  command->add_option("--at", arguments->at, "headless: pictures of these steps instead, e.g. --at 60,240")
+      ->delimiter(',');
   command->add_option("--video", arguments->video,
                       "headless: a film with sound, .mp4, .mkv, .webm or .gif; needs ffmpeg");
   command->add_option("--steps", arguments->steps, "headless: so many instead of the scene's");

@@ -1,4 +1,5 @@
 // calot view --headless: the same pictures as in the window, of every so many steps, and films.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -48,6 +49,10 @@ class Headless {
         canvas_(arguments.pixels().first, arguments.pixels().second),
         maker_(run_.world()) {
     if (!arguments.replay.empty()) take_replay();
+    for (const std::uint64_t step : arguments.at)
+      if (step > steps_)
+        throw InputError("--at", "the run ends before step " + std::to_string(step),
+                         "give steps up to " + std::to_string(steps_));
     if (steps_ == 0 && !arguments.video.empty())
       throw InputError(arguments.scene.string(), "the scene doesn't say how long it runs",
                        "give --steps, or seconds in it");
@@ -114,9 +119,14 @@ class Headless {
     samples_.insert(samples_.end(), heard.begin(), heard.end());
   }
 
+  [[nodiscard]] bool is_wanted(bool last) const {
+    if (arguments_.at.empty()) return run_.steps() % arguments_.every == 0 || last;
+    return std::find(arguments_.at.begin(), arguments_.at.end(), run_.steps()) != arguments_.at.end();
+  }
+
   void show() {
     const bool last = run_.steps() == steps_;
-    const bool pictured = !arguments_.png.empty() && (run_.steps() % arguments_.every == 0 || last);
+    const bool pictured = !arguments_.png.empty() && is_wanted(last);
     const bool filmed = film_ && run_.steps() % stride_ == 0;
     if (!pictured && !filmed) return;
     Stopwatch watch;

@@ -117,7 +117,6 @@ class Session {
   float orbit_distance_ = 0.1F;
   std::vector<Surface> still_;
   Window window_;
-  Renderer* renderer() { return renderer_.get(); }
   std::unique_ptr<Renderer> renderer_;
   Interface interface_;
   std::optional<SoundPlayer> sounds_;
@@ -179,7 +178,6 @@ Session::Session(const ViewArguments& arguments)
   setpriority(PRIO_PROCESS, 0, drawing_niceness);
   const PictureQuality usual = window_.draws_by_processor() ? PictureQuality::lite : PictureQuality::full;
   state_.settings.quality = arguments.picture_quality(usual);
-  renderer_ = std::make_unique<Renderer>(state_.settings.quality);
   outside_.scope = false;
   state_.spectator = arguments.spectator;
   if (!arguments.mute) sounds_.emplace(SoundOptions{.volume = state_.settings.volume});
@@ -329,6 +327,7 @@ void Session::take_events() {
 void Session::begin_run(const LiveFeed& feed) {
   feed_ = feed;
   snapshot_ = feed_.snapshots->fetch();
+  renderer_ = std::make_unique<Renderer>(state_.settings.quality);  // another run's masks are none of this one
   renderer_->set_surroundings(still_);
   renderer_->prepare(*snapshot_);
   effects_.emplace(*snapshot_, still_);
