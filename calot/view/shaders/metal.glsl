@@ -44,9 +44,9 @@ Metal metal_of(int substance, vec2 at, float pixel) {
   m.diffuse = 0.0;
   m.base = vec3(0.0);
   if (substance == insulation) {
-    m.base = vec3(0.010, 0.010, 0.011);
-    m.f0 = vec3(0.045);
-    m.along = m.across = 0.20 + 0.08 * worn;
+    m.base = vec3(0.006, 0.006, 0.007);
+    m.f0 = vec3(0.04);
+    m.along = m.across = 0.22 + 0.08 * worn;
     m.diffuse = 1.0;
   } else if (substance == ceramic) {
     m.base = vec3(0.66, 0.62, 0.54) * (1.0 + 0.06 * worn);
@@ -57,14 +57,20 @@ Metal metal_of(int substance, vec2 at, float pixel) {
     m.f0 = vec3(0.52, 0.50, 0.475) * (1.0 + 0.10 * fine);
     m.along = 0.20;
     m.across = 0.30;
+    m.base = 0.16 * m.f0;
+    m.diffuse = 1.0;
   } else if (substance == polished_steel) {
     m.f0 = vec3(0.60, 0.585, 0.57) * (1.0 + 0.05 * fine + 0.05 * worn);
     m.along = 0.085;
     m.across = 0.16 + 0.05 * worn;
+    m.base = 0.12 * m.f0;  // light that scratches throw about, like a very rough lobe
+    m.diffuse = 1.0;
   } else {
     m.f0 = vec3(0.56, 0.55, 0.54) * (1.0 + 0.16 * fine + 0.07 * worn);
     m.along = 0.12;
     m.across = 0.34 + 0.06 * worn;
+    m.base = 0.20 * m.f0;
+    m.diffuse = 1.0;
   }
   return m;
 }
@@ -74,7 +80,7 @@ Metal metal_of(int substance, vec2 at, float pixel) {
 vec3 cavity_reflection(vec3 ray, float rough) {
   float ahead = dot(ray, forward.xyz), high = dot(ray, up.xyz), aside = dot(ray, right.xyz);
   float blur = 0.12 + rough;
-  vec3 wall = vec3(0.30, 0.115, 0.085), lit = vec3(1.0, 0.46, 0.34), fat = vec3(1.0, 0.74, 0.42);
+  vec3 wall = vec3(0.30, 0.16, 0.13), lit = vec3(1.0, 0.62, 0.52), fat = vec3(1.0, 0.84, 0.62);
   float lit_share = smoothstep(-0.25 - blur, 0.55 + blur, ahead);
   float lumps = metal_noise(vec2(aside, high) * 3.1 + 11.0 + 2.0 * ahead) - 0.5;
   vec3 seen = mix(0.45 * wall, 3.2 * mix(lit, fat, smoothstep(0.05, 0.35, lumps + 0.3 * high)), lit_share);
@@ -117,7 +123,7 @@ vec3 metal_light(int substance, vec3 n, vec3 position, vec3 grain, vec3 place, v
   vec3 bent = normalize(mix(n, normalize(cross(t, cross(v, t)) + 1e-4 * n), clamp(m.across - m.along, 0.0, 0.6)));
   float rough = sqrt(m.along * m.across);
   vec3 mirrored = cavity_reflection(reflect(-v, bent), rough) * (0.25 + 0.75 * open);
-  float grazing = schlick(n_v);
+  float grazing = schlick(n_v) * (substance == insulation ? 0.3 : 1.0);  // its grain shadows itself
   vec3 share = m.f0 + (max(vec3(1.0 - rough), m.f0) - m.f0) * grazing;
   color += mirrored * share * open + m.diffuse * m.base * ambient.rgb * open;
   return color;
