@@ -331,6 +331,27 @@ void TissueHeat::conduct(const TetMesh& mesh, double dt) {
   }
 }
 
+/// Flat tets conduct a little heat from cold to hot. A vertex that this leaves colder than anything was before, blood
+/// included, gets what it lacks back from its neighbours, each giving by what it has to give.
+void TissueHeat::warm_undercooled(const TetMesh& mesh, double coldest) {
+  for (const std::uint32_t v : active_vertices_) {
+    const double lack = vertices_[v].capacity * (coldest - excess_[v]);
+    if (lack <= 0) continue;
+    neighbours_.clear();
+    for (std::uint32_t k = around_.start[v]; k < around_.start[v + 1]; ++k)
+      for (const VertexId w : mesh.tet(around_.tets[k]))
+        if (excess_[w.index()] > coldest) neighbours_.push_back(w.value);
+    std::sort(neighbours_.begin(), neighbours_.end());
+    neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
+    double there = 0;
+    for (const std::uint32_t w : neighbours_) there += vertices_[w].capacity * (excess_[w] - coldest);
+    if (there <= 0) continue;
+    const double share = std::min(1.0, lack / there);
+    for (const std::uint32_t w : neighbours_) excess_[w] -= share * (excess_[w] - coldest);
+    excess_[v] += share * there / vertices_[v].capacity;
+  }
+}
+
 /// Heat above the boiling point dries the tets around; only where these are dry does the temperature rise further.
 void TissueHeat::boil(const TetMesh& mesh) {
   for (const std::uint32_t v : active_vertices_) {
@@ -403,7 +424,10 @@ const HeatStep& TissueHeat::step(double dt, std::span<const HeatSource> sources,
   }
   report_.active_tets = active_tets_.size();
   if (active_tets_.empty()) return report_;
+  double coldest = 0;
+  for (const std::uint32_t v : active_vertices_) coldest = std::min(coldest, excess_[v]);
   conduct(mesh, dt);
+  warm_undercooled(mesh, coldest);
   for (const std::uint32_t v : active_vertices_) heating_[v] = 0;
   boil(mesh);
   harm(mesh, dt);

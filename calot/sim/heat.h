@@ -112,6 +112,7 @@ class TissueHeat {
   void prepare(const TetMesh& mesh, double dt);
   void solve(const TetMesh& mesh, double dt);
   void conduct(const TetMesh& mesh, double dt);
+  void warm_undercooled(const TetMesh& mesh, double coldest);
   void boil(const TetMesh& mesh);
   void harm(const TetMesh& mesh, double dt);
   [[nodiscard]] double energy_leaving(const Remap& remap) const;
@@ -138,6 +139,7 @@ class TissueHeat {
   HeatStep report_;  // and what a step needs, kept so that it doesn't allocate
   std::vector<double> heating_ /* [J] */, solution_, residual_, direction_, product_, diagonal_, inverse_, conductance_;
   std::vector<std::uint8_t> tet_is_active_, vertex_is_active_, harmed_;
+  std::vector<std::uint32_t> neighbours_;
   std::vector<detail::HeatedTet> heated_;
 };
 

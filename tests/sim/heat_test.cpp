@@ -373,6 +373,26 @@ TEST(TissueHeat, ATetThatAMovedVertexShrinksIsNoDrierThanBefore) {
   EXPECT_LT(balance_error(heat), 1e-12);
 }
 
+TEST(TissueHeat, FlatTetsCoolNothingBelowBlood) {
+  // Flattened boxes, whose tets conduct from cold to hot across their obtuse edges.
+  TetMesh mesh = test::box_mesh(6, 6, 3, {6e-3, 6e-3, 3e-3});
+  for (Vec3& x : mesh.positions) x = {x.x() + 2.5 * x.z(), x.y() + 1.5 * x.x(), 0.3 * x.z()};
+  TissueHeat heat(mesh, {{1, plain(1e-3)}});
+  for (std::size_t v = 0; v < mesh.vertex_count(); v += 17) heat.set_temperature(VertexId(v), 95);
+  for (int s = 0; s < 200; ++s) {
+    heat.step(0.016, {}, mesh, mesh.positions);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) ASSERT_GE(heat.temperature(VertexId(v)), body - 1e-9) << s;
+    ASSERT_LT(balance_error(heat), 1e-12);
+  }
+  // Where something is colder than blood from the start, it warms up.
+  heat.set_temperature(VertexId(40), 20);
+  for (int s = 0; s < 200; ++s) {
+    heat.step(0.016, {}, mesh, mesh.positions);
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) ASSERT_GE(heat.temperature(VertexId(v)), 20 - 1e-9) << s;
+  }
+  EXPECT_GT(heat.temperature(VertexId(40)), 21);
+}
+
 TEST(TissueHeat, CopiesGoTheSameWay) {
   const TetMesh mesh = test::bar_mesh(20);
   TissueHeat one = burnt_bar(mesh), two = one;

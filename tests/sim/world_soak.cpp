@@ -217,11 +217,10 @@ bool within(std::span<const double> values, double low, double high) {
   return std::all_of(values.begin(), values.end(), [&](double x) { return x >= low && x <= high; });
 }
 
-/// What is wrong with the heat; empty if nothing. Nothing is colder than blood or hotter than boiling water, but for
-/// what the elements' shapes cost.
+/// What is wrong with the heat; empty if nothing. Nothing is colder than blood or much hotter than boiling water.
 std::string wrong(const TissueHeat& heat) {
   for (std::size_t v = 0; v < heat.peak_temperatures().size(); ++v)
-    if (const double now = heat.temperature(VertexId(v)); !(now >= 36 && heat.peak_temperatures()[v] <= 101))
+    if (const double now = heat.temperature(VertexId(v)); !(now >= 36.9 && heat.peak_temperatures()[v] <= 101))
       return "a temperature is out of range: now " + std::to_string(now) + ", at most " +
              std::to_string(heat.peak_temperatures()[v]);
   const HeatLedger& l = heat.ledger();
