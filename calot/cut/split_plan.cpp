@@ -302,19 +302,20 @@ bool SplitPlan::rearrange(std::uint32_t tet) {
   std::sort(tets.begin(), tets.end());
   tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
   const std::vector<std::uint32_t> about = tets_about(tet);
-  for (const std::uint32_t v : patch_.corners[tet])
-    for (const Choice& choice : choices_[v]) {
+  for (const std::uint32_t v : patch_.corners[tet]) {
+    const std::vector<Choice> all = choices_[v];
+    for (const Choice& choice : all) {
       if (choice.meeting == meeting_[v] && choice.along == along_[v]) continue;
       const SplitPlan before = *this;
       const double least = price_of(tets) - 1e-6;
       set(v, choice);
-      const std::vector<Choice> all = std::move(choices_[v]);
       choices_[v].clear();  // so that it stays as forced
       settle(about);
       choices_[v] = all;
       if (price_of(tets) < least) return true;
       restore(before);
     }
+  }
   return false;
 }
 
