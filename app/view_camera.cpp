@@ -8,7 +8,7 @@ namespace calot {
 namespace {
 
 using Vec3f = Eigen::Vector3f;
-constexpr double nearest = 0.05, farthest = 0.14, patient_distance = 0.10;  // from what is looked at [m]
+constexpr double nearest = 0.05, farthest = 0.14, patient_distance = 0.13;  // from what is looked at [m]
 
 Vec3f single(const Vec3& v) {
   return v.cast<float>();

@@ -7,6 +7,8 @@ set(calot_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/calot)
 # Public headers keep their folders; those marked "Inside this room only" or "Inside the library only" stay at home.
 function(calot_install_headers)
   file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/calot/*.h)
+  # What the program alone uses so far isn't installed.
+  list(FILTER headers EXCLUDE REGEX "^calot/(view|sound|device)/")
   foreach(header IN LISTS headers)
     file(STRINGS ${PROJECT_SOURCE_DIR}/${header} first LIMIT_COUNT 1)
     if(NOT first MATCHES "^// Inside (this room|the library) only")

@@ -32,11 +32,11 @@ class SceneReader {
 
   Scene read() {
     const toml::value& root = toml_.root();
-    toml_.allow_only(root,
-                     {"title",   "length_unit",   "time_step",          "seconds", "steps",   "seed",    "gravity",
-                      "patient", "rayleigh_mass", "rayleigh_stiffness", "model",   "block",   "tube",    "region",
-                      "floor",   "surface",       "instrument",         "contact", "haptics", "cutting", "tearing",
-                      "heat",    "fluids",        "camera"});
+    toml_.allow_only(root, {"title",   "length_unit", "time_step", "seconds",       "steps",
+                            "seed",    "gravity",     "patient",   "rayleigh_mass", "rayleigh_stiffness",
+                            "model",   "block",       "tube",      "region",        "floor",
+                            "surface", "instrument",  "contact",   "haptics",       "cutting",
+                            "tearing", "heat",        "fluids",    "camera"});
     scene_.file = toml_.path();
     read_general(root);
     read_source(root);

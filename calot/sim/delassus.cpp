@@ -147,7 +147,7 @@ Eigen::MatrixXd WarpedCompliance::delassus(std::span<const ContactRows> contacts
   std::vector<ContactRows> sorted;
   for (const auto& [row, k] : order) sorted.push_back(contacts[k]);
   const Eigen::MatrixXd w = precision_ == Precision::twice ? delassus_with(spread_double_, base_->factor, sorted)
-                                     : delassus_with(spread_single_, base_->single, sorted);
+                                                           : delassus_with(spread_single_, base_->single, sorted);
   Eigen::MatrixXd result(w.rows(), w.cols());
   for (std::size_t k = 0; k < order.size(); ++k)
     for (std::size_t m = 0; m < order.size(); ++m)

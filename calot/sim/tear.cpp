@@ -1,4 +1,3 @@
-#include "calot/base/wide.h"
 #include "calot/sim/tear.h"
 
 #include <Eigen/Dense>
@@ -6,6 +5,7 @@
 #include <cmath>
 
 #include "calot/base/error.h"
+#include "calot/base/wide.h"
 #include "calot/sim/tear_faces.h"
 
 namespace calot {

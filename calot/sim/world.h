@@ -222,7 +222,7 @@ class World {
   std::vector<std::uint8_t> lost_;    // n, or empty while nothing is
 
   std::set<std::uint32_t> flowing_;  // fluid sources that flow, by id
-  bool came_off_ = false;  // a part, since the compliance was last factored at once
+  bool came_off_ = false;            // a part, since the compliance was last factored at once
   bool unsolved_before_ = false;
   std::size_t inverted_before_ = 0, stuck_said_ = 0;
 

@@ -81,8 +81,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{sound + "[contact]\nfriction = 0\n", 5, "tissue_friction"},
                     Case{sound + "[[contact]]\n", 4, "[contact]"},
                     Case{sound + "[camera]\neye = [0, 0, 0]\n", 4, "target"},
-                    Case{sound + "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\n", 4, "5 mm"},
-                    Case{sound + "[camera]\neye = [0, 0, 99]\ntarget = [0, 0, 0]\n", 4, "up lies along"},
+                    Case{sound + "[camera]\neye = [0, 0, 0.001]\nup = [1, 0, 0]\ntarget = [0, 0, 0]\n", 4, "5 mm"},
+                    Case{sound + "[camera]\neye = [0, 0, 9]\ntarget = [0, 0, 0]\n", 4, "up lies along"},
                     Case{sound + "[haptics]\nstiffness = 1\n", 4, "instrument"},
                     Case{sound + "[haptics]\ninstrument = \"a\"\n", 5, "[[instrument]]"},
                     Case{sound + tool + keys + "[haptics]\ninstrument = \"b\"\n", 9, "did you mean a?"}));

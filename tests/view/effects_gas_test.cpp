@@ -53,7 +53,8 @@ TEST(EffectsGas, SmokeRisesSpreadsAndBecomesHaze) {
   for (int k = 0; k < 1000; ++k) gas.step(0.01, {}, {}, Vec3f::UnitZ(), 1);
   EXPECT_GT(gas.haze_mass(), haze);
   EXPECT_NEAR(gas.made(), gas.haze_mass() + gas.smoke_in_puffs() + gas.taken(), 1e-9 * gas.made());
-  EXPECT_NEAR(gas.made(), 30 * 2 * 2e-8, 0.15 * 30 * 2 * 2e-8);
+  const double expected = 30 * 2 * EffectsOptions{}.smoke_per_joule;
+  EXPECT_NEAR(gas.made(), expected, 0.15 * expected);
 }
 
 /// Haze that nothing adds to falls off as exp(−t Q/V).

@@ -27,7 +27,7 @@ struct EffectsOptions {
   double gas_volume = 3e-3;       ///< of the abdomen, in which haze spreads [m³]
   double gas_exchange = 3.3e-5;   ///< that clears the haze by itself, 2 L a minute [m³/s]
   double gas_suction = 2e-4;      ///< that an open suction tube takes, 12 L a minute [m³/s]
-  double smoke_per_joule = 2e-8;  ///< of what reaches tissue [kg/J]; assumed
+  double smoke_per_joule = 7e-9;  ///< of what reaches tissue [kg/J]; assumed
 };
 
 class Effects {
