@@ -38,6 +38,10 @@ LiveRun::LiveRun(const Scene& scene, Desktop& desktop, Gamepads& pads, const Liv
 }
 
 LiveRun::~LiveRun() {
+  stop();
+}
+
+void LiveRun::stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;

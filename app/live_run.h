@@ -53,6 +53,7 @@ class LiveRun {
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
+  void stop();  ///< ends the run and the recording, for good
   void pause(bool paused);
   /// From the beginning; the recording ends. The old run goes on to be seen until the new one stands.
   void restart();

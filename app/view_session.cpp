@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <deque>
 #include <optional>
 #include <thread>
@@ -81,6 +82,23 @@ InterfaceDevice device_of(const std::string& name) {
   return {name, true};
 }
 
+/// A display that goes away makes its library end the program: the recording gets its end even then.
+class EndedWithTheProgram {
+ public:
+  explicit EndedWithTheProgram(LiveRun& run) {
+    run_ = &run;
+    std::atexit([] {
+      if (run_ != nullptr) run_->stop();
+    });
+  }
+  ~EndedWithTheProgram() { run_ = nullptr; }
+  EndedWithTheProgram(const EndedWithTheProgram&) = delete;
+  EndedWithTheProgram& operator=(const EndedWithTheProgram&) = delete;
+
+ private:
+  inline static LiveRun* run_ = nullptr;
+};
+
 /// One window on one scene.
 class Session {
  public:
@@ -113,6 +131,7 @@ class Session {
   std::optional<NetworkDevices> network_;
   std::array<std::unique_ptr<HapticDevice>, live_hands> mocks_;
   LiveRun live_;
+  EndedWithTheProgram ended_{live_};
   Camera scope_, outside_;
   float orbit_distance_ = 0.1F;
   std::vector<Surface> still_;

@@ -69,6 +69,7 @@ class Viewer:
 
     def __init__(self, calot, display, folder, *arguments):
         self.folder = folder
+        self.recording = arguments[arguments.index("--record") + 1]
         environment = dict(os.environ, DISPLAY=display.name, ALSOFT_LOGLEVEL="0", SDL_VIDEODRIVER="x11")
         self.display = dict(os.environ, DISPLAY=display.name)
         self.program = subprocess.Popen([calot, "view", "scene.toml", "--size", "640x400", "--quality", "lite", *arguments],
@@ -96,11 +97,37 @@ class Viewer:
         self.do("keyup", name)
         time.sleep(wait)
 
-    def hold(self, button, seconds, wait=0.7):
-        self.do("mousedown", button)
-        time.sleep(seconds)
-        self.do("mouseup", button)
-        time.sleep(wait)
+    def asked(self, instrument):
+        """What the instrument was asked last, as far as the recording has it: place (3), opening, grip, energy, fire."""
+        lines = (self.folder / self.recording).read_text().splitlines()
+        mine = [line.split(",") for line in lines if line.count(",") == 12 and line.split(",")[1] == str(instrument)]
+        return [float(word) for word in mine[-1][2:5] + mine[-1][9:13]] if mine else None
+
+    def wait_until(self, what, instrument, is_so):
+        """However slow the machine is: the recording tells when the world has seen it."""
+        for _ in range(600):
+            now = self.asked(instrument)
+            if now is not None and is_so(now):
+                return
+            if self.program.poll() is not None:
+                sys.exit(f"calot view ended while the test waited until {what}: {self.program.stderr.read()}")
+            time.sleep(0.1)
+        sys.exit(f"the test waited in vain until {what}: {self.asked(instrument)}")
+
+    def move(self, instrument):
+        """A little, so that it is certain that the hand holds this one."""
+        before = self.asked(instrument)[:3]
+        for _ in range(40):  # a motion that comes before the page of keys has gone is the page's
+            self.do("mousemove_relative", "--", "2", "1")
+            time.sleep(1)
+            if self.asked(instrument)[:3] != before:
+                return
+        sys.exit(f"instrument {instrument} doesn't follow the mouse")
+
+    def close(self, instrument):
+        self.do("mousedown", "1")
+        self.wait_until(f"instrument {instrument} is closed", instrument, lambda now: now[3] < 0.02)
+        time.sleep(1)
 
     def leave(self):
         self.key("F10")  # to the pause
@@ -132,17 +159,23 @@ def replayed(calot, folder, recording):
 def operate(calot, display, folder):
     viewer = Viewer(calot, display, folder, "--record", "hands.rec")
     viewer.key("h")  # closes the page of keys
+    viewer.wait_until("the world runs", 0, lambda now: True)
+    viewer.move(0)
     viewer.do("mousedown", "1")  # the left hand's grasper closes
-    time.sleep(2)
+    viewer.wait_until("the grasper grips", 0, lambda now: now[4] > 0.5)
     viewer.key("r")  # and its ratchet keeps it closed
     viewer.do("mouseup", "1")
-    time.sleep(0.5)
     viewer.key("Tab")  # the other hand, with the clip applier
-    viewer.hold("3", 0.7)  # fires
-    viewer.hold("1", 2)  # closes
+    viewer.move(1)
+    viewer.do("mousedown", "3")
+    viewer.wait_until("the applier fires", 1, lambda now: now[6] == 1)
+    viewer.do("mouseup", "3")
+    viewer.close(1)
+    viewer.do("mouseup", "1")
     viewer.key("3")  # takes the scissors
-    viewer.do("mousemove_relative", "--", "3", "2")
-    viewer.hold("1", 3)
+    viewer.move(2)
+    viewer.close(2)
+    viewer.do("mouseup", "1")
     viewer.key("p")  # saves a picture
     viewer.key("f")  # looks from outside
     words = viewer.leave()
@@ -161,10 +194,27 @@ def end_early(calot, display, folder):
     """Told to stop from outside, it ends well, and what was recorded can be run again."""
     viewer = Viewer(calot, display, folder, "--record", "stopped.rec")
     viewer.key("h")
-    viewer.hold("1", 1)
+    viewer.wait_until("the world runs", 0, lambda now: True)
     viewer.program.send_signal(signal.SIGTERM)
     viewer.ended()
     replayed(calot, folder, "stopped.rec")
+
+
+def lose_display(calot, folder):
+    """The display goes away: the program ends, the recording with it."""
+    with Display() as display:
+        viewer = Viewer(calot, display, folder, "--record", "lost.rec")
+        viewer.key("h")
+        viewer.wait_until("the world runs", 0, lambda now: True)
+        display.server.kill()
+        try:
+            viewer.program.communicate(timeout=60)
+        except subprocess.TimeoutExpired:
+            viewer.program.kill()
+            sys.exit("calot view doesn't end when its display does")
+    if viewer.program.returncode != 1:
+        sys.exit(f"calot view ended with {viewer.program.returncode} when its display went away")
+    replayed(calot, folder, "lost.rec")
 
 
 def main():
@@ -174,6 +224,7 @@ def main():
         (folder / "scene.toml").write_text(SCENE)
         operate(calot, display, folder)
         end_early(calot, display, folder)
+        lose_display(calot, folder)
 
 
 if __name__ == "__main__":
