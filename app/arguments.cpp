@@ -153,4 +153,13 @@ void warn_about_idle(const std::vector<PointForce>& forces, const Model& model) 
       warn("vertex " + std::to_string(force.vertex.value) + " is fixed: a force on it does nothing");
 }
 
+void make_output_folder(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::filesystem::create_directories(folder, code);
+  if (code || !std::filesystem::is_directory(folder))
+    throw FailedError(folder.string(), "can't be made", "give another folder");
+  if (!std::filesystem::is_empty(folder))
+    throw InputError(folder.string(), "holds something already", "give an empty or a new folder");
+}
+
 }  // namespace calot

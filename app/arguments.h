@@ -40,6 +40,8 @@ void add_repeated(CLI::App& command, const std::string& name, std::vector<std::s
 std::string ending_of(const std::filesystem::path& path);
 /// Throws InputError unless the file's folder exists and the name is no folder, so that long work isn't done in vain.
 void check_output_file(const std::filesystem::path& path);
+/// Makes a folder for what a command writes. Throws InputError for one that holds something, FailedError if it can't.
+void make_output_folder(const std::filesystem::path& folder);
 /// Throws InputError for a vertex that the mesh doesn't have.
 void check_forces(const std::vector<PointForce>& forces, const Model& model);
 /// Warns of forces on fixed vertices.

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
+#include "app/recorded_run.h"
+#include "app/view_camera.h"
 #include "calot/base/error.h"
-#include "calot/compliance/blas.h"
 
 namespace calot {
 namespace {
@@ -13,14 +14,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double furthest_behind = 0.25;  // a world that is slower than time isn't made to catch up on more [s]
 constexpr double outside = 0.15;          // of an instrument without a port: how far up its shaft it is held [m]
-constexpr std::size_t most_durations = 1'000'000;
 
 double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
-}
-
-double percentile(const std::vector<double>& sorted, double share) {
-  return sorted.empty() ? 0 : sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
 }  // namespace
@@ -83,19 +79,8 @@ void LiveRun::check() const {
 }
 
 LiveStatistics LiveRun::statistics() const {
-  std::vector<double> sorted;
-  LiveStatistics result;
-  {
-    const std::lock_guard lock(mutex_);
-    sorted = durations_;
-    result.late = late_;
-  }
-  std::sort(sorted.begin(), sorted.end());
-  result.steps = sorted.size();
-  result.p50 = percentile(sorted, 0.5);
-  result.p99 = percentile(sorted, 0.99);
-  result.longest = percentile(sorted, 1);
-  return result;
+  const std::lock_guard lock(mutex_);
+  return {steps_, late_, durations_.percentile(0.5), durations_.percentile(0.99), durations_.max()};
 }
 
 void LiveRun::live() {
@@ -176,9 +161,11 @@ void LiveRun::run_once(std::uint64_t number) {
   for (Grip& grip : grips_) grip = {};
   std::optional<InputRecorder> recorder;
   if (!options_.record.empty() && number == 1) {
-    RecordingHeader header{CALOT_VERSION, scene_.file.string(), run.hash(), blas::kernel_name(), scene_.time_step, {}};
-    for (const SceneInstrument& tool : scene_.instruments) header.instruments.push_back(tool.name);
-    recorder.emplace(options_.record, header);
+    recorder.emplace(options_.record, recording_header(scene_, run));
+  }
+  if (number == 1) {
+    camera_ = scene_camera(scene_, run);
+    for (const InstrumentArm& arm : run.world().instruments()) tools_.push_back(arm.geometry());
   }
   const auto feed = std::make_shared<SnapshotFeed>(run.world());
   {
@@ -202,7 +189,8 @@ void LiveRun::run_once(std::uint64_t number) {
     {
       const std::lock_guard lock(mutex_);
       late_ += Clock::now() > due ? 1 : 0;
-      if (durations_.size() < most_durations) durations_.push_back(took);
+      ++steps_;
+      durations_.add(took);
     }
     std::this_thread::sleep_until(due);
   }

@@ -12,9 +12,10 @@
 #include <vector>
 
 #include "app/force_hand.h"
+#include "app/simulate_summary.h"
 #include "calot/device/gamepads.h"
-#include "calot/scene/recording.h"
 #include "calot/scene/scene_world.h"
+#include "calot/view/camera.h"
 #include "calot/view/snapshot_maker.h"
 
 namespace calot {
@@ -47,7 +48,7 @@ struct LiveFeed {
 /// All calls from one thread, that of the window.
 class LiveRun {
  public:
-  /// Starts the thread and waits until the scene stands. Throws what SceneRun and InputRecorder throw.
+  /// Starts the thread and waits until the scene stands; paused. Throws what SceneRun and InputRecorder throw.
   LiveRun(const Scene& scene, Desktop& desktop, Gamepads& pads, const LiveOptions& options);
   ~LiveRun();  ///< stops after the step that is going on and ends the recording
   LiveRun(const LiveRun&) = delete;
@@ -61,6 +62,9 @@ class LiveRun {
   void take(int hand, int instrument);
   [[nodiscard]] int held_by(int hand) const { return held_[static_cast<std::size_t>(hand)]; }
   [[nodiscard]] LiveFeed feed() const;
+  /// Where the scene is looked at from, and its instruments.
+  [[nodiscard]] const Camera& camera() const { return camera_; }
+  [[nodiscard]] const std::vector<InstrumentGeometry>& tools() const { return tools_; }
   [[nodiscard]] LiveStatistics statistics() const;
   /// Rethrows what ended the thread, if something did.
   void check() const;
@@ -87,13 +91,16 @@ class LiveRun {
   std::array<Grip, live_hands> grips_;
   std::vector<InstrumentInput> last_;  // what each instrument was asked last
 
+  Camera camera_;  // these two: written before the first feed, then read only
+  std::vector<InstrumentGeometry> tools_;
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  bool paused_ = false, stop_ = false, again_ = false;
+  bool paused_ = true, stop_ = false, again_ = false;
   LiveFeed feed_;
   std::exception_ptr failure_;
-  std::vector<double> durations_;
-  std::uint64_t late_ = 0;
+  Tally durations_;
+  std::uint64_t steps_ = 0, late_ = 0;
   std::thread thread_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "app/arguments.h"
 #include "app/commands.h"
+#include "app/recorded_run.h"
 #include "app/simulate_haptics.h"
 #include "app/simulate_pictures.h"
 #include "app/simulate_summary.h"
@@ -13,7 +14,6 @@
 #include "app/terminal.h"
 #include "calot/base/error.h"
 #include "calot/compliance/blas.h"
-#include "calot/scene/recording.h"
 #include "calot/scene/scene_file.h"
 
 namespace calot {
@@ -75,28 +75,14 @@ Simulation::Simulation(const SimulateArguments& arguments)
   if (arguments.haptic_mock) hand_.emplace(scene_, run_);
   if (!arguments.png.empty() || !arguments.vtu.empty()) pictures_.emplace(scene_, run_, arguments.png, arguments.vtu);
   if (arguments.record.empty()) return;
-  RecordingHeader header{CALOT_VERSION,       arguments.scene.string(), run_.hash(),
-                         blas::kernel_name(), scene_.time_step,         {}};
-  for (const SceneInstrument& tool : scene_.instruments) header.instruments.push_back(tool.name);
-  recorder_.emplace(arguments.record, header);
+  recorder_.emplace(arguments.record, recording_header(scene_, run_));
 }
 
 void Simulation::take_replay() {
-  recording_ = read_recording(arguments_.replay);
-  const RecordingHeader& header = recording_->header;
-  const std::string file = arguments_.replay.string();
-  if (header.scene_hash != run_.hash())
-    throw InputError(file, "was recorded from another scene, or from this one before it was changed",
-                     "give the scene that it was recorded from: " + header.scene);
-  if (header.version != CALOT_VERSION || header.kernel != blas::kernel_name())
-    warn(file + " was recorded by calot " + header.version + " on " + header.kernel +
-         ", this is calot " CALOT_VERSION " on " + blas::kernel_name() +
-         ": the last digits, and so the state, may differ");
-  if (!recording_->complete) warn(file + " has no end: what was recorded of the run is run again");
+  recording_ = read_recording_of(run_, arguments_.replay);
   const std::uint64_t there = recording_->steps.size();
   steps_ = arguments_.steps > 0 ? std::min(arguments_.steps, there) : there;
-  if (steps_ == 0) throw InputError(file, "has no steps", "record it again");
-  replayed_.file = file;
+  replayed_.file = arguments_.replay.string();
 }
 
 bool Simulation::pictured(std::uint64_t step) const {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "calot/base/error.h"
+#include "app/arguments.h"
 #include "calot/mesh/mesh_file.h"
 
 namespace calot {
@@ -13,14 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const Vec3 steel{0.62, 0.66, 0.72}, clip_color{0.80, 0.83, 0.88}, cloth{0.86, 0.88, 0.86};
-
-void make_folder(const fs::path& folder) {
-  std::error_code code;
-  fs::create_directories(folder, code);
-  if (code || !fs::is_directory(folder)) throw FailedError(folder.string(), "can't be made", "give another folder");
-  if (!fs::is_empty(folder))
-    throw InputError(folder.string(), "holds something already", "give an empty or a new folder");
-}
 
 std::map<std::int32_t, Vec3> region_colors(const SceneRun& run) {
   std::map<std::int32_t, Vec3> colors;
@@ -106,10 +98,9 @@ std::vector<Vec3> frame_points(const SceneRun& run) {
 }  // namespace
 
 ScenePictures::ScenePictures(const Scene& scene, const SceneRun& run, fs::path png, fs::path vtu)
-    : png_(std::move(png)), vtu_(std::move(vtu)), colors_(region_colors(run)) {
+    : png_(std::move(png)), vtu_(std::move(vtu)), colors_(region_colors(run)), still_(load_surfaces(scene)) {
   for (const fs::path& folder : {png_, vtu_})
-    if (!folder.empty()) make_folder(folder);
-  for (const SceneSurface& still : scene.surfaces) still_.push_back(load_surface(still));
+    if (!folder.empty()) make_output_folder(folder);
   options_.width = 960;
   options_.height = 720;
   options_.title = scene.title;

@@ -5,14 +5,15 @@
 #include <memory>
 #include <optional>
 
+#include "app/arguments.h"
 #include "app/film.h"
+#include "app/recorded_run.h"
 #include "app/stopwatch.h"
 #include "app/terminal.h"
 #include "app/view_arguments.h"
 #include "app/view_camera.h"
 #include "app/view_sounds.h"
 #include "calot/base/error.h"
-#include "calot/scene/recording.h"
 #include "calot/scene/scene_file.h"
 #include "calot/sound/sound_recorder.h"
 #include "calot/sound/wav.h"
@@ -27,12 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr double usual_film_rate = 30;  // [1/s]
 
-std::vector<Surface> still_surfaces(const Scene& scene) {
-  std::vector<Surface> surfaces;
-  for (const SceneSurface& still : scene.surfaces) surfaces.push_back(load_surface(still));
-  return surfaces;
-}
-
 /// A run, and all that is seen and heard of it. Everything goes by steps, so that it is the same every time.
 class Headless {
  public:
@@ -44,7 +39,7 @@ class Headless {
         stride_(std::max<std::uint64_t>(
             1, static_cast<std::uint64_t>(std::lround(1 / usual_film_rate / scene_.time_step)))),
         camera_(scene_camera(scene_, run_)),
-        still_(still_surfaces(scene_)),
+        still_(load_surfaces(scene_)),
         renderer_(arguments.picture_quality(PictureQuality::full)),
         canvas_(arguments.pixels().first, arguments.pixels().second),
         maker_(run_.world()) {
@@ -61,7 +56,7 @@ class Headless {
     maker_.fill(run_.world(), 0, snapshot_);
     renderer_.prepare(snapshot_);
     effects_.emplace(snapshot_, still_);
-    if (!arguments.png.empty()) make_folder();
+    if (!arguments.png.empty()) make_output_folder(arguments.png);
     if (arguments.video.empty()) return;
     film_.emplace(arguments.video, canvas_.canvas().width, canvas_.canvas().height,
                   1 / (scene_.time_step * static_cast<double>(stride_)));
@@ -86,22 +81,9 @@ class Headless {
 
  private:
   void take_replay() {
-    recording_ = read_recording(arguments_.replay);
-    if (recording_->header.scene_hash != run_.hash())
-      throw InputError(arguments_.replay.string(),
-                       "was recorded from another scene, or from this one before it was changed",
-                       "give the scene that it was recorded from: " + recording_->header.scene);
+    recording_ = read_recording_of(run_, arguments_.replay);
     const std::uint64_t there = recording_->steps.size();
     steps_ = arguments_.steps > 0 ? std::min(arguments_.steps, there) : there;
-  }
-
-  void make_folder() const {
-    std::error_code code;
-    fs::create_directories(arguments_.png, code);
-    if (code || !fs::is_directory(arguments_.png))
-      throw FailedError(arguments_.png.string(), "can't be made", "give another folder");
-    if (!fs::is_empty(arguments_.png))
-      throw InputError(arguments_.png.string(), "holds something already", "give an empty or a new folder");
   }
 
   void step() {

@@ -117,6 +117,7 @@ class Session {
   void obey(const InterfaceActions& actions);
   void save_picture();
   void describe();
+  void list_keys();
   [[nodiscard]] LiveOptions live_options();
   void show_others();
   [[nodiscard]] std::optional<HandState> hand_state(int hand) const;
@@ -127,7 +128,6 @@ class Session {
   ControlSettings settings_;
   Desktop desktop_;
   Gamepads pads_;
-  std::vector<InstrumentGeometry> tools_;
   std::optional<NetworkDevices> network_;
   std::array<std::unique_ptr<HapticDevice>, live_hands> mocks_;
   LiveRun live_;
@@ -154,26 +154,6 @@ class Session {
   Clock::time_point last_ = Clock::now();
 };
 
-Camera first_camera(const Scene& scene) {
-  const SceneRun run(scene);
-  return scene_camera(scene, run);
-}
-
-std::vector<Surface> surfaces_of(const Scene& scene) {
-  std::vector<Surface> surfaces;
-  for (const SceneSurface& still : scene.surfaces) surfaces.push_back(load_surface(still));
-  return surfaces;
-}
-
-std::vector<InstrumentGeometry> tools_of(const Scene& scene) {
-  std::vector<InstrumentGeometry> tools;
-  for (const SceneInstrument& tool : scene.instruments) {
-    tools.push_back(instrument_geometry(tool.kind));
-    if (tool.max_grip) tools.back().max_grip = *tool.max_grip;
-  }
-  return tools;
-}
-
 TextTable texts_of(const ViewArguments& arguments) {
   return arguments.text.empty() ? TextTable::english() : TextTable::load(arguments.text);
 }
@@ -184,11 +164,10 @@ Session::Session(const ViewArguments& arguments)
       settings_(arguments.controls.empty() ? ControlSettings{} : read_controls(arguments.controls)),
       desktop_(settings_, live_hands),
       pads_(settings_, live_hands),
-      tools_(tools_of(scene_)),
       live_(scene_, desktop_, pads_, live_options()),
-      scope_(first_camera(scene_)),
+      scope_(live_.camera()),
       outside_(scope_),
-      still_(surfaces_of(scene_)),
+      still_(load_surfaces(scene_)),
       window_(scene_.title.empty() ? "Calot" : "Calot: " + scene_.title, arguments.pixels().first,
               arguments.pixels().second),
       interface_(texts_of(arguments)) {
@@ -201,12 +180,23 @@ Session::Session(const ViewArguments& arguments)
   state_.spectator = arguments.spectator;
   if (!arguments.mute) sounds_.emplace(SoundOptions{.volume = state_.settings.volume});
   if (!arguments.play)
-    for (int hand = 0; hand < std::min<int>(live_hands, static_cast<int>(tools_.size())); ++hand) {
+    for (int hand = 0; hand < std::min<int>(live_hands, static_cast<int>(live_.tools().size())); ++hand) {
       live_.take(hand, hand);
-      desktop_.hold(hand, tools_[static_cast<std::size_t>(hand)]);
-      pads_.hold(hand, tools_[static_cast<std::size_t>(hand)]);
+      desktop_.hold(hand, live_.tools()[static_cast<std::size_t>(hand)]);
+      pads_.hold(hand, live_.tools()[static_cast<std::size_t>(hand)]);
     }
+  list_keys();
   interface_.show_help();
+}
+
+// What the page of keys shows; the same in every picture.
+void Session::list_keys() {
+  for (const BindingRow& row : desktop_.settings().bindings.rows())
+    state_.controls.push_back({"", {row.keys}, row.words});
+  for (const ActionInfo& info : all_actions())
+    if (const auto command = command_of(info.action))
+      if (const auto& keys = desktop_.settings().bindings.keys_of(info.action); !keys.empty())
+        state_.command_keys[static_cast<std::size_t>(*command)] = std::string(name_of(keys.front()));
 }
 
 LiveOptions Session::live_options() {
@@ -262,11 +252,11 @@ void Session::run() {
 }
 
 void Session::choose(int instrument) {
-  if (instrument < 0 || static_cast<std::size_t>(instrument) >= tools_.size()) return;
+  if (instrument < 0 || static_cast<std::size_t>(instrument) >= live_.tools().size()) return;
   const int hand = desktop_.active();
   live_.take(hand, instrument);
-  desktop_.hold(hand, tools_[static_cast<std::size_t>(instrument)]);
-  pads_.hold(hand, tools_[static_cast<std::size_t>(instrument)]);
+  desktop_.hold(hand, live_.tools()[static_cast<std::size_t>(instrument)]);
+  pads_.hold(hand, live_.tools()[static_cast<std::size_t>(instrument)]);
 }
 
 void Session::act(Action action) {
@@ -275,7 +265,7 @@ void Session::act(Action action) {
     return;
   }
   const int first = static_cast<int>(Action::instrument_1), last = static_cast<int>(Action::instrument_9);
-  const int number = static_cast<int>(action), count = static_cast<int>(tools_.size());
+  const int number = static_cast<int>(action), count = static_cast<int>(live_.tools().size());
   if (number >= first && number <= last) choose(number - first);
   if (count == 0 || (action != Action::next_instrument && action != Action::previous_instrument)) return;
   const int step = action == Action::next_instrument ? 1 : count - 1;
@@ -394,7 +384,7 @@ std::optional<HandState> Session::hand_state(int hand) const {
   const int tool = live_.held_by(hand);
   if (tool < 0 || static_cast<std::size_t>(tool) >= snapshot_->instruments.size()) return std::nullopt;
   const InstrumentSnapshot& now = snapshot_->instruments[static_cast<std::size_t>(tool)];
-  const InstrumentGeometry& geometry = tools_[static_cast<std::size_t>(tool)];
+  const InstrumentGeometry& geometry = live_.tools()[static_cast<std::size_t>(tool)];
   HandState state;
   state.kind = now.kind;
   state.opening = geometry.max_opening > 0 ? now.opening / geometry.max_opening : 0;
@@ -418,13 +408,6 @@ void Session::describe() {
   for (const std::string& name : pads_.names()) state_.devices.push_back(device_of(name));
   while (!messages_.empty() && messages_.front().age > message_life) messages_.pop_front();
   state_.messages.assign(messages_.begin(), messages_.end());
-  state_.controls.clear();
-  for (const BindingRow& row : desktop_.settings().bindings.rows())
-    state_.controls.push_back({"", {row.keys}, row.words});
-  for (const ActionInfo& info : all_actions())
-    if (const auto command = command_of(info.action))
-      if (const auto& keys = desktop_.settings().bindings.keys_of(info.action); !keys.empty())
-        state_.command_keys[static_cast<std::size_t>(*command)] = std::string(name_of(keys.front()));
 }
 
 void Session::draw() {

@@ -186,4 +186,10 @@ Surface load_surface(const SceneSurface& still) {
   return square;
 }
 
+std::vector<Surface> load_surfaces(const Scene& scene) {
+  std::vector<Surface> surfaces;
+  for (const SceneSurface& still : scene.surfaces) surfaces.push_back(load_surface(still));
+  return surfaces;
+}
+
 }  // namespace calot

@@ -35,5 +35,7 @@ std::optional<Vec3> port_of(const SceneInstrument& instrument, const SceneTissue
 
 /// The triangles of a still surface [m]. Throws InputError for its file.
 Surface load_surface(const SceneSurface& still);
+/// All of a scene's.
+std::vector<Surface> load_surfaces(const Scene& scene);
 
 }  // namespace calot
