@@ -65,10 +65,6 @@ void check(const HandOptions& o, const Pose& start) {
 
 }  // namespace
 
-double reach_of(const InstrumentGeometry& geometry) {
-  return geometry.kind == InstrumentKind::hook ? geometry.hook_heel.z() + geometry.hook_radius : geometry.jaw_length;
-}
-
 Pose through_port(const Pose& pose, double reach, const Vec3& port) {
   constexpr double nearest = 1e-3;  // m
   const Vec3 way = pose * Vec3(0, 0, reach) - port;

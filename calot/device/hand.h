@@ -38,9 +38,6 @@ struct HandWrench {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< [N], about the handle [N·m]
 };
 
-/// From the pivot to the point on its axis where jaws, hook or tube end [m].
-double reach_of(const InstrumentGeometry& geometry);
-
 /// The pose with the same tip and nearly the same roll whose axis goes through a port. A tip nearer to it than 1 mm
 /// leaves the axis as it is.
 Pose through_port(const Pose& pose, double reach, const Vec3& port);

@@ -4,8 +4,8 @@
 #include <deque>
 #include <mutex>
 
+#include "calot/base/triple_buffer.h"
 #include "calot/device/network.h"
-#include "calot/sim/haptic_buffer.h"
 
 namespace calot::detail {
 

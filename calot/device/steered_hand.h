@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "calot/sim/haptic_buffer.h"
+#include "calot/base/triple_buffer.h"
 #include "calot/sim/haptic_device.h"
 #include "calot/sim/instrument.h"
 

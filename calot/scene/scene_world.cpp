@@ -35,11 +35,6 @@ void check_reach(const SceneInstrument& tool, const InstrumentGeometry& geometry
   for (const InstrumentPoseKey& key : tool.script.poses) check(key.time, key.opening, key.grip);
 }
 
-/// From the pivot to what a keyframe's tip means: the jaws' ends, a hook's foot, a tube's end [m].
-double reach_of(const InstrumentGeometry& geometry) {
-  return geometry.kind == InstrumentKind::hook ? geometry.hook_heel.z() + geometry.hook_radius : geometry.jaw_length;
-}
-
 InstrumentSetup instrument_of(const SceneInstrument& tool, const SceneTissue& tissue) {
   InstrumentSetup setup;
   setup.name = tool.name;

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "calot/sim/haptic_buffer.h"
+#include "calot/base/triple_buffer.h"
 #include "calot/sim/haptic_periods.h"
 #include "calot/sim/haptic_tick.h"
 

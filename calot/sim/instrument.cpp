@@ -187,6 +187,10 @@ std::string_view name_of(InstrumentKind kind) {
   return "";
 }
 
+double reach_of(const InstrumentGeometry& geometry) {
+  return geometry.kind == InstrumentKind::hook ? geometry.hook_heel.z() + geometry.hook_radius : geometry.jaw_length;
+}
+
 ArticulatedPoses articulate(const InstrumentGeometry& /*geometry*/, double opening) {
   const auto turned = [](double angle) {
     return Pose{Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3::UnitX())), Vec3::Zero()};

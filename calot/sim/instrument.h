@@ -56,6 +56,9 @@ struct InstrumentGeometry {
   [[nodiscard]] double width(double z) const;
 };
 
+/// From the pivot to the point on its axis where jaws, hook or tube end [m].
+double reach_of(const InstrumentGeometry& geometry);
+
 /// The usual 5 mm instruments (clip applier 10 mm). Source of each size: docs/simulation.md.
 InstrumentGeometry instrument_geometry(InstrumentKind kind);
 std::string_view name_of(InstrumentKind kind);

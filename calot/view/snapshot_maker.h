@@ -3,7 +3,7 @@
 #include <atomic>
 #include <span>
 
-#include "calot/sim/haptic_buffer.h"
+#include "calot/base/triple_buffer.h"
 #include "calot/view/snapshot.h"
 
 namespace calot {
